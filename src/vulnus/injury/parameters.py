@@ -1,0 +1,79 @@
+"""What the injury stage needs to know, frozen and in SI; angles in radians, patient frame LPS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from vulnus.core.arrays import Vector3
+from vulnus.core.constants import STANDARD_GRAVITY
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProjectileParameters:
+    """A rigid sphere that keeps its velocity, as in the paper (section 2.2)."""
+
+    diameter: float = 0.009
+    """Diameter [m]; chosen: a 9 mm ball, the calibre of PHYSICS.md section 2's sphere tests."""
+    speed: float = 350.0
+    """Speed [m/s]; chosen: that of a 9x19 mm bullet, 350-380 m/s (PHYSICS.md section 2)."""
+    friction: float = 0.1
+    """Coulomb coefficient between projectile and tissue; chosen: a wet, smooth metal surface."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AimParameters:
+    """The straight line of flight: one point on it and one direction.
+
+    The point is `target`, else the point of `artery` at `fraction`; the direction is `direction`,
+    else it comes from `azimuth` and `elevation`.
+    """
+
+    artery: str | None = "anterior_tibial"
+    """Name of the artery whose centre-line the line crosses, or None where `target` is given."""
+    fraction: float = 0.45
+    """Where on the artery: fraction of its length from its proximal end, 0-1."""
+    target: Vector3 | None = None
+    """A point [m] on the line of flight; takes precedence over `artery`."""
+    azimuth: float = 0.0
+    """Side that the projectile comes from, seen from above [rad]: 0 anterior, pi/2 patient's left
+    (+x), pi posterior, 3 pi/2 right."""
+    elevation: float = 0.0
+    """Height that the projectile comes from [rad]: > 0 from above; -pi/2 to pi/2."""
+    direction: Vector3 | None = None
+    """Direction of flight, of any length; takes precedence over the two angles."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InjuryParameters:
+    """One shot: the projectile, its line, and the resolution of the material point method."""
+
+    projectile: ProjectileParameters = field(default_factory=ProjectileParameters)
+    aim: AimParameters = field(default_factory=AimParameters)
+    grid_spacing: float = 0.003
+    """Edge of a grid cell [m]; chosen: a third of a 9 mm ball (PHYSICS.md 1.6 asks for a fifth
+    where the tract's shape matters, 0.002)."""
+    duration: float = 1e-3
+    """Time from first contact to the exported geometry [s]; 1 ms as in the paper (section 2.2)."""
+    courant_number: float = 0.4
+    """Part of a cell that sound and matter may cross in one step; 0.3-0.4 (PHYSICS.md 1.5)."""
+    window_length: float | None = 0.12
+    """Length of the limb that is simulated, along its long axis around the track [m]; None: the
+    whole limb. Tissue outside stays where it is. Chosen: 0.12, PHYSICS.md 1.6."""
+    held_length: float = 0.006
+    """Length [m] at both ends of the window where the tissue is held fast; chosen: two cells."""
+    gravity: Vector3 = (0.0, 0.0, -STANDARD_GRAVITY)
+    """Acceleration of gravity [m/s²]; a standing patient by default."""
+    frame_interval: float = 5e-5
+    """Time between exported frames [s]; chosen: 20 frames in 1 ms."""
+    bone_modulus_scale: float = 0.3
+    """Factor on the elastic moduli of cortical bone, 1 for the true stiffness; 0.3 (17 to 5 GPa)
+    halves the number of steps and changes little in soft tissue (PHYSICS.md 1.5)."""
+    artery_failure_stretch: float = 1.6
+    """Stretch of the centre-line at which the wall is torn through; chosen: between 1.4 and 1.8 of
+    circumferential and axial strips at high rate (Mohan & Melbin 1983, from memory)."""
+    damage_threshold: float = 0.9
+    """Damage from which tissue counts as destroyed; 0.9 (PHYSICS.md 1.4)."""
+    threads: int = 0
+    """Number of threads, 0 for all; the result does not depend on it."""
+    seed: int = 0
+    """Seed of the run; the stage itself draws no random numbers."""
