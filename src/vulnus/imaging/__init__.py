@@ -2,6 +2,16 @@
 
 from __future__ import annotations
 
+from vulnus.core.handoff import LabelVolume
+
+from .labels import load_labels
 from .parameters import BUILTIN_LEG, ImagingParameters, LegMeasurements
 
-__all__ = ["BUILTIN_LEG", "ImagingParameters", "LegMeasurements"]
+__all__ = ["BUILTIN_LEG", "ImagingParameters", "LegMeasurements", "generate_leg", "load_labels"]
+
+
+def generate_leg(parameters: ImagingParameters | None = None) -> LabelVolume:
+    """The built-in leg as labelled voxels with its arteries as centre-lines."""
+    from .builtin_leg import generate_leg as generate
+
+    return generate(parameters if parameters is not None else ImagingParameters())

@@ -1,0 +1,161 @@
+"""The leg that vulnus brings with it: a lower leg from under the knee to the ankle, any voxel size.
+
+Origin: the middle of the ankle (the tibia's distal joint face), z up along the tibia, x to the
+patient's left, y posterior. The volume ends are plane cuts through the leg.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from vulnus.core.arrays import FloatArray, LabelArray
+from vulnus.core.errors import InputFileError
+from vulnus.core.handoff import ArteryCentreline, LabelVolume, Tissue
+from vulnus.core.units import MILLIMETRE
+
+from .leg_arteries import leg_arteries, paint_arteries
+from .leg_shape import HIGHEST_LEVEL, LOWEST_LEVEL, LegSection, LegShape
+from .leg_tables import muscle_tables
+from .parameters import ImagingParameters
+
+COMPARTMENTS = {
+    "anterior": ("tibialis_anterior", "extensor_digitorum_longus", "extensor_hallucis_longus"),
+    "lateral": ("peroneus_longus",),
+    "deep": (
+        "tibialis_posterior",
+        "flexor_digitorum_longus",
+        "flexor_hallucis_longus",
+        "popliteus",
+    ),
+}
+"""Muscles by compartment (Gray's Anatomy); those not named lie in the superficial posterior one."""
+
+_SEPTUM = 0.5 * 1.2e-3
+_HEADS = 0.5 * 0.7e-3
+_GAP = 3.0e-3
+_MARGIN = 3
+
+
+def generate_leg(parameters: ImagingParameters) -> LabelVolume:
+    """The built-in leg as labelled voxels with its arteries as centre-lines.
+
+    The same shape at every voxel size; a right leg is the left one mirrored.
+    """
+    _check(parameters)
+    shape = LegShape(parameters.leg)
+    voxel = parameters.voxel
+    bottom = shape.height(LOWEST_LEVEL)
+    count = math.floor((shape.height(HIGHEST_LEVEL) - bottom) / voxel + 1e-6)
+    heights = bottom + (np.arange(count) + 0.5) * voxel
+    sections = [shape.section(height / parameters.leg.tibia_length) for height in heights]
+    x, y = _grid(sections, voxel)
+    labels = np.zeros((x.size, y.size, count), dtype=np.uint8)
+    for k, section in enumerate(sections):
+        labels[:, :, k] = _paint_section(section, x, y)
+    arteries = leg_arteries(shape)
+    origin = np.array([x[0], y[0], heights[0]])
+    paint_arteries(labels, arteries, origin, voxel)
+    return _finish(parameters, labels, origin, arteries)
+
+
+def _check(parameters: ImagingParameters) -> None:
+    if not 0.2e-3 <= parameters.voxel <= 6e-3:
+        raise InputFileError(
+            "imaging.voxel_mm",
+            f"{parameters.voxel / MILLIMETRE:g} mm is outside 0.2 to 6 mm",
+            "Give the built-in leg a voxel size in this range",
+        )
+
+
+def _grid(sections: list[LegSection], voxel: float) -> tuple[FloatArray, FloatArray]:
+    """Voxel centres along x and y, at odd multiples of half a voxel, with a margin of air."""
+    points = np.concatenate([section.skin.points for section in sections])
+    low = np.floor(points.min(axis=0) / voxel).astype(int) - _MARGIN
+    high = np.ceil(points.max(axis=0) / voxel).astype(int) + _MARGIN
+    axes = [(np.arange(a, b) + 0.5) * voxel for a, b in zip(low, high, strict=True)]
+    return axes[0], axes[1]
+
+
+def _paint_section(section: LegSection, x: FloatArray, y: FloatArray) -> LabelArray:
+    """Labels (nx, ny) of one slice."""
+    labels = np.zeros((x.size, y.size), dtype=np.uint8)
+    gx, gy = (axis.ravel() for axis in np.meshgrid(x, y, indexing="ij"))
+    flat = labels.ravel()
+    distance, radius = section.skin.radius_at(gx, gy)
+    inside = np.flatnonzero(distance < radius)
+    flat[inside] = Tissue.SKIN
+    gx, gy = gx[inside], gy[inside]
+    distance, radius = section.fat.radius_at(gx, gy)
+    tissue = np.where(distance < radius, Tissue.FAT, Tissue.SKIN).astype(np.uint8)
+    distance, radius = section.fascia.radius_at(gx, gy)
+    within = distance < radius
+    tissue[within & _is_muscle(section, gx, gy)] = Tissue.MUSCLE
+    for bone in section.bones:
+        for contour, code in (
+            (bone.outer, Tissue.BONE),
+            (bone.inner, Tissue.CANCELLOUS),
+            (bone.canal, Tissue.MARROW),
+        ):
+            distance, radius = contour.radius_at(gx, gy)
+            tissue[distance < radius] = code
+    flat[inside] = tissue
+    return labels
+
+
+def _compartment(muscle: str) -> str:
+    for name, members in COMPARTMENTS.items():
+        if muscle in members:
+            return name
+    return "superficial"
+
+
+def _is_muscle(section: LegSection, x: FloatArray, y: FloatArray) -> np.ndarray:
+    """Whether points belong to a muscle: near its ellipse, and off the septa of compartments."""
+    nearest: dict[str, FloatArray] = {}
+    for muscle in muscle_tables():
+        if not muscle.lowest <= section.level <= muscle.highest:
+            continue
+        middle, matrix = muscle.at(section.level)
+        middle, matrix = middle * section.scale, matrix * section.scale
+        dx, dy = x - middle[0], y - middle[1]
+        inverse = np.linalg.inv(matrix)
+        size = np.hypot(
+            inverse[0, 0] * dx + inverse[0, 1] * dy, inverse[1, 0] * dx + inverse[1, 1] * dy
+        )
+        # Distance to the ellipse along the ray from its middle.
+        away = np.hypot(dx, dy) * (1.0 - 1.0 / np.maximum(size, 1e-3))
+        name = _compartment(muscle.name)
+        nearest[name] = np.minimum(nearest[name], away) if name in nearest else away
+    if not nearest:
+        return np.zeros(x.shape, dtype=bool)
+    ordered = np.sort(np.stack(list(nearest.values())), axis=0)
+    second = ordered[1] if len(ordered) > 1 else np.inf
+    muscle_side: np.ndarray = (ordered[0] < _GAP) & (0.5 * (second - ordered[0]) > _SEPTUM)
+    return muscle_side
+
+
+def _finish(
+    parameters: ImagingParameters,
+    labels: LabelArray,
+    origin: FloatArray,
+    arteries: tuple[ArteryCentreline, ...],
+) -> LabelVolume:
+    if parameters.side == "right":
+        labels = np.ascontiguousarray(labels[::-1])
+        origin = origin * np.array([-1.0, 1.0, 1.0])
+        origin[0] -= (labels.shape[0] - 1) * parameters.voxel
+        mirror = np.array([-1.0, 1.0, 1.0])
+        arteries = tuple(
+            ArteryCentreline(a.name, a.points * mirror, a.radius, a.parent) for a in arteries
+        )
+    return LabelVolume(
+        labels=labels,
+        origin=origin,
+        spacing=np.full(3, parameters.voxel),
+        direction=np.eye(3),
+        arteries=arteries,
+        source=f"built-in leg, {parameters.voxel / MILLIMETRE:g} mm voxels",
+        side=parameters.side,
+    )
