@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import enum
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from .whole_file import write_whole
 _BLOCK = 512
 _MAGIC = b"vulnus hand-off 1 sha256 "
 _COMPRESSED_FROM = 1 << 16
-"""Bytes from which arrays of small integers (labels) are compressed; chosen: below it is no gain."""
+"""Bytes from which labels are compressed; chosen: there is nothing to gain below."""
 
 
 class DamagedFileError(Exception):
@@ -61,7 +61,7 @@ def read_handoff(path: Path) -> tuple[Any, dict[str, str]]:
             group = file["content"]
             pairs = [str(text) for text in group.attrs["note"]]
             return _decode(group), dict(zip(pairs[::2], pairs[1::2], strict=True))
-    except (KeyError, TypeError, ValueError, OSError) as trouble:
+    except (AttributeError, KeyError, TypeError, ValueError, OSError) as trouble:
         raise DamagedFileError(f"{path} does not hold what was asked for: {trouble}") from trouble
 
 
@@ -119,19 +119,31 @@ def _encode_leaf(group: Any, value: object) -> None:
 
 
 def _decode(group: Any) -> Any:
-    kind = group.attrs["kind"]
-    if kind == "array":
-        return group["array"][()]
-    if kind == "tuple":
-        return tuple(_decode(group[name]) for name in sorted(group))
-    if kind == "mapping":
-        return {group[name].attrs["key"]: _decode(group[name]) for name in sorted(group)}
-    if kind == "none":
-        return None
-    if kind in ("dataclass", "enum"):
-        known = getattr(handoff, group.attrs["class"])
-        if kind == "enum":
-            return known(int(group.attrs["value"]))
-        return known(**{name: _decode(group[name]) for name in group})
-    plain = {"bool": lambda v: bool(int(v)), "int": int, "float": float, "str": str}
-    return plain[kind](group.attrs["value"])
+    return _DECODERS[group.attrs["kind"]](group)
+
+
+def _decode_tuple(group: Any) -> tuple[Any, ...]:
+    return tuple(_decode(group[name]) for name in sorted(group))
+
+
+def _decode_mapping(group: Any) -> dict[str, Any]:
+    return {group[name].attrs["key"]: _decode(group[name]) for name in sorted(group)}
+
+
+def _decode_dataclass(group: Any) -> Any:
+    known = getattr(handoff, group.attrs["class"])
+    return known(**{name: _decode(group[name]) for name in group})
+
+
+_DECODERS: Mapping[str, Callable[[Any], Any]] = {
+    "array": lambda group: group["array"][()],
+    "tuple": _decode_tuple,
+    "mapping": _decode_mapping,
+    "dataclass": _decode_dataclass,
+    "none": lambda _: None,
+    "enum": lambda group: getattr(handoff, group.attrs["class"])(int(group.attrs["value"])),
+    "bool": lambda group: bool(int(group.attrs["value"])),
+    "int": lambda group: int(group.attrs["value"]),
+    "float": lambda group: float(group.attrs["value"]),
+    "str": lambda group: str(group.attrs["value"]),
+}

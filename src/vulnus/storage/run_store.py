@@ -1,13 +1,13 @@
 """The run directory: everything a run leaves behind, written whole or not at all.
 
-    RUN/scenario.toml       the resolved scenario
-    RUN/provenance.json     program, machine, inputs and times of every session
-    RUN/summary.json        the numbers of the run
-    RUN/waveforms.csv       pressures and flow of the injured artery
-    RUN/ledger.csv          what became of the blood
-    RUN/wound/, RUN/bleed/  frames (VTKHDF) with an index each
-    RUN/figures/, film.mp4  pictures
-    RUN/checkpoints/        what each stage handed on, and the newest state of the running one
+* `RUN/scenario.toml`: the resolved scenario
+* `RUN/provenance.json`: program, machine, inputs and times of every session
+* `RUN/summary.json`: the numbers of the run
+* `RUN/waveforms.csv`: pressures and flow of the injured artery
+* `RUN/ledger.csv`: what became of the blood
+* `RUN/wound/, RUN/bleed/`: frames (VTKHDF) with an index each
+* `RUN/figures/, film.mp4`: pictures
+* `RUN/checkpoints/`: what each stage handed on, and the newest state of the running one
 """
 
 from __future__ import annotations
@@ -117,9 +117,7 @@ class RunStore:
             )
         begun = {"started": record.get("started", session["started"]), "seed": seed}
         # The newest session also stands at the top, where a reader looks first.
-        self._write_provenance(
-            session | begun | {"inputs": files, "sessions": [*earlier, session]}
-        )
+        self._write_provenance(session | begun | {"inputs": files, "sessions": [*earlier, session]})
 
     def end_session(self, outcome: str) -> None:
         """Note how this session ended: finished, stopped, interrupted or failed."""
@@ -145,7 +143,9 @@ class RunStore:
         write_handoff(self._stage_path(stage), result, cost)
         self.checkpoint(stage).discard()
 
-    def load_stage(self, stage: str, kind: type[HandOff]) -> tuple[HandOff, dict[str, float]] | None:
+    def load_stage(
+        self, stage: str, kind: type[HandOff]
+    ) -> tuple[HandOff, dict[str, float]] | None:
         """What `stage` handed on, and its cost; None where it has not finished or is damaged."""
         path = self._stage_path(stage)
         try:

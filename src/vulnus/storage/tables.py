@@ -61,6 +61,4 @@ def read_csv(path: Path, columns: Columns) -> dict[str, FloatArray]:
             f"the table cannot be read ({trouble})",
             "Run the scenario again, or restore the file",
         ) from trouble
-    return {
-        name: table[:, place] * unit for place, (name, unit) in enumerate(columns.values())
-    }
+    return {name: table[:, place] * unit for place, (name, unit) in enumerate(columns.values())}
