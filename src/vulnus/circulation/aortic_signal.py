@@ -88,7 +88,7 @@ def check_parameters(parameters: CirculationParameters) -> None:
         raise _outside("poisson_ratio", parameters.poisson_ratio, "must lie in [0, 0.5]")
     if not 0.0 <= parameters.wall_phase < 0.5 * np.pi:
         raise _outside("wall_phase", parameters.wall_phase, "must lie in [0, π/2) rad")
-    for name in ("exit_loss_coefficient", "branch_resistance", "terminal_compliance"):
+    for name in ("exit_loss_coefficient", "shunt_resistance", "terminal_compliance"):
         value = getattr(parameters, name)
         if not 0.0 <= value < np.inf:
             raise _outside(name, value, "must not be negative")

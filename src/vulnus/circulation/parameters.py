@@ -31,12 +31,12 @@ class CirculationParameters:
     `heart_rate` [1/s]: None keeps the aortic signal's own, 1/0.8288 s; a value stretches its time.
     `aortic_mean_pressure`, `aortic_pulse_pressure` [Pa]: None keeps the signal's 90/47 mmHg; a
     value shifts or scales the pressure signal.
-    `exit_loss_coefficient` K of ½ K ρ v² at the stump (1.5: 1 for the jet's lost head, 0.5 for the
-    contraction; 0 leaves the paper's linear branch).
-    `branch_resistance` [Pa s/m³] of the injury branch itself (1e7, the paper's "low impedance";
-    chosen: 1/20 of the smallest tibial Thevenin resistance, 2e8).
+    `exit_loss_coefficient` K of ½ K ρ v² at the stump, in both modes (1.5: 1 for the jet's lost
+    head, 0.5 for the contraction; 0 leaves a linear branch).
     `injury_mode`: "transection" drops the arterial tree behind the cut (its distal stump is not
-    fed), "shunt" keeps it and hangs the branch beside it, as the paper does.
+    fed), "shunt" keeps it and hangs the paper's branch of low impedance beside it.
+    `shunt_resistance` [Pa s/m³] of that branch (1e7, chosen: 1/20 of the smallest tibial Thevenin
+    resistance, 2e8); used in the mode "shunt" only.
     """
 
     tree: str = "stergiopulos91"
@@ -52,5 +52,5 @@ class CirculationParameters:
     aortic_mean_pressure: float | None = None
     aortic_pulse_pressure: float | None = None
     exit_loss_coefficient: float = 1.5
-    branch_resistance: float = 1.0e7
     injury_mode: InjuryMode = "transection"
+    shunt_resistance: float = 1.0e7

@@ -195,6 +195,7 @@ class ArterialTree:
         parameters' where None. In the mode "transection" the tree behind the cut is taken away.
         """
         open_pressure, impedance = self._thevenin(segment, position)
+        shunt = self.parameters.injury_mode == "shunt"
         loss = self.parameters.exit_loss_coefficient
         if exit_loss_coefficient is not None:
             loss = exit_loss_coefficient
@@ -208,7 +209,7 @@ class ArterialTree:
             lumen_radius=lumen_radius,
             density=self.parameters.density,
             exit_loss_coefficient=loss,
-            branch_resistance=self.parameters.branch_resistance,
+            branch_resistance=self.parameters.shunt_resistance if shunt else 0.0,
         )
 
     def _spectra(self, segment: int, position: float) -> tuple[ComplexArray, ComplexArray]:
