@@ -1,4 +1,4 @@
-"""The built-in leg's arteries: courses from the table, kept clear of the bones, and their voxels."""
+"""The built-in leg's arteries: courses from the table kept clear of the bones; their voxels."""
 
 from __future__ import annotations
 

@@ -32,7 +32,8 @@ class Contour:
         """The curve's points (ANGLES, 2) [m]."""
         angle = contour_angles()
         unit = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        return self.centre + self.radius[:, None] * unit
+        points: FloatArray = self.centre + self.radius[:, None] * unit
+        return points
 
     @property
     def girth(self) -> float:

@@ -31,7 +31,7 @@ def read_table(name: str) -> list[dict[str, str]]:
 
 def columns(rows: Sequence[dict[str, str]], names: Sequence[str]) -> FloatArray:
     """The named columns of some rows as (rows, names), as the file gives them."""
-    return np.array([[float(row[name]) for name in names] for row in rows])
+    return np.array([[float(row[name]) for name in names] for row in rows], dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,13 +47,14 @@ class ContourTable:
         row = self.spline(np.clip(level, self.lowest, self.highest))
         radius = np.append(row[2:], row[2])
         angle = np.linspace(0.0, 2.0 * np.pi, radius.size)
-        fine = CubicSpline(angle, radius, bc_type="periodic")(contour_angles())
+        fine: FloatArray = CubicSpline(angle, radius, bc_type="periodic")(contour_angles())
         return row[:2], np.maximum(fine, 0.0)
 
 
 def contour_angles() -> FloatArray:
     """The angles of a contour's points [rad], from lateral (+x) over posterior (+y)."""
-    return np.arange(ANGLES) * (2.0 * np.pi / ANGLES)
+    angles: FloatArray = np.arange(ANGLES, dtype=np.float64) * (2.0 * np.pi / ANGLES)
+    return angles
 
 
 @cache
