@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+
 from vulnus.circulation import CirculationParameters, InjuryPort, build_tree
 from vulnus.core.handoff import ParticleFrame
 from vulnus.coupling.bleed import bleed_out
