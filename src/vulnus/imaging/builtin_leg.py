@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from vulnus.core.arrays import FloatArray, LabelArray
+from vulnus.core.arrays import BoolArray, FloatArray, LabelArray
 from vulnus.core.errors import InputFileError
 from vulnus.core.handoff import ArteryCentreline, LabelVolume, Tissue
 from vulnus.core.units import MILLIMETRE
@@ -20,21 +20,35 @@ from .leg_shape import HIGHEST_LEVEL, LOWEST_LEVEL, LegSection, LegShape
 from .leg_tables import muscle_tables
 from .parameters import ImagingParameters
 
-COMPARTMENTS = {
-    "anterior": ("tibialis_anterior", "extensor_digitorum_longus", "extensor_hallucis_longus"),
-    "lateral": ("peroneus_longus",),
-    "deep": (
-        "tibialis_posterior",
-        "flexor_digitorum_longus",
-        "flexor_hallucis_longus",
-        "popliteus",
-    ),
+_COMPARTMENTS = {
+    "tibialis_anterior": "anterior",
+    "extensor_digitorum_longus": "anterior",
+    "extensor_hallucis_longus": "anterior",
+    "peroneus_longus": "lateral",
+    "tibialis_posterior": "deep posterior",
+    "flexor_digitorum_longus": "deep posterior",
+    "flexor_hallucis_longus": "deep posterior",
+    "popliteus": "deep posterior",
+    "soleus": "soleus",
+    "soleus_medial": "soleus",
+    "soleus_lateral": "soleus",
+    "achilles": "soleus",
+    "gastrocnemius_lateral": "lateral head",
+    "gastrocnemius_medial_anterior": "medial head",
+    "gastrocnemius_medial_posterior": "medial head",
 }
-"""Muscles by compartment (Gray's Anatomy); those not named lie in the superficial posterior one."""
+"""What septa part: the four compartments (Gray's Anatomy), the superficial posterior one in its
+soleus and the two heads of gastrocnemius."""
 
-_SEPTUM = 0.5 * 1.2e-3
-_HEADS = 0.5 * 0.7e-3
-_GAP = 3.0e-3
+_SEPTUM = 1.6e-3
+"""Thickness of fascia and fat between two compartments [m]; chosen: 1-2 mm on MR images, and
+still seen at the default voxel."""
+
+_GAP_LEVELS = (0.12, 0.30)
+_GAPS = (3.0e-3, 6.0e-3)
+"""Distance to its muscle's ellipse up to which tissue is muscle [m]; chosen: tendons lie apart in
+fat at the ankle, bellies fill the fascia above it."""
+
 _MARGIN = 3
 
 
@@ -104,14 +118,7 @@ def _paint_section(section: LegSection, x: FloatArray, y: FloatArray) -> LabelAr
     return labels
 
 
-def _compartment(muscle: str) -> str:
-    for name, members in COMPARTMENTS.items():
-        if muscle in members:
-            return name
-    return "superficial"
-
-
-def _is_muscle(section: LegSection, x: FloatArray, y: FloatArray) -> np.ndarray:
+def _is_muscle(section: LegSection, x: FloatArray, y: FloatArray) -> BoolArray:
     """Whether points belong to a muscle: near its ellipse, and off the septa of compartments."""
     nearest: dict[str, FloatArray] = {}
     for muscle in muscle_tables():
@@ -126,14 +133,15 @@ def _is_muscle(section: LegSection, x: FloatArray, y: FloatArray) -> np.ndarray:
         )
         # Distance to the ellipse along the ray from its middle.
         away = np.hypot(dx, dy) * (1.0 - 1.0 / np.maximum(size, 1e-3))
-        name = _compartment(muscle.name)
+        name = _COMPARTMENTS[muscle.name]
         nearest[name] = np.minimum(nearest[name], away) if name in nearest else away
     if not nearest:
         return np.zeros(x.shape, dtype=bool)
     ordered = np.sort(np.stack(list(nearest.values())), axis=0)
     second = ordered[1] if len(ordered) > 1 else np.inf
-    muscle_side: np.ndarray = (ordered[0] < _GAP) & (0.5 * (second - ordered[0]) > _SEPTUM)
-    return muscle_side
+    gap = np.interp(section.level, _GAP_LEVELS, _GAPS)
+    belly: BoolArray = (ordered[0] < gap) & (second - ordered[0] > _SEPTUM)
+    return belly
 
 
 def _finish(

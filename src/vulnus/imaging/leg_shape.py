@@ -19,6 +19,12 @@ GIRTH_LEVELS = (0.13, 0.72, 0.91)
 """Levels of the least ankle, greatest calf and tibial-tuberosity girths (bare of the table's own
 proportions: where its sections are least, greatest, and cross the tuberosity)."""
 
+_SHAFT_LEVELS = (0.04, 0.15, 0.84, 0.90)
+"""Where the fibula's shaft begins and ends between malleolus and head."""
+
+_END = 0.021
+"""Levels by which a bone reaches past its last section (the fibula's apex: 0.966, measured)."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contour:
@@ -65,6 +71,16 @@ class Contour:
         new = np.interp(angle, moved[order], radius[order], period=2.0 * np.pi)
         return Contour(self.centre, new)
 
+    def enclosing(self, other: Contour) -> Contour:
+        """The curve widened, where it must be, to go round `other`."""
+        x, y = (other.points - self.centre).T
+        index = np.rint(np.arctan2(y, x) * (ANGLES / (2.0 * np.pi))).astype(np.intp) % ANGLES
+        reach = np.zeros(ANGLES)
+        np.maximum.at(reach, index, np.hypot(x, y))
+        excess = np.maximum(reach - self.radius, 0.0)
+        widest = np.maximum(np.maximum(np.roll(excess, 1), excess), np.roll(excess, -1))
+        return Contour(self.centre, self.radius + widest)
+
     def radius_at(self, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Distance of points to the centre, and the curve's radius in their direction [m]."""
         dx = x - self.centre[0]
@@ -103,7 +119,8 @@ class LegShape:
 
     def __init__(self, leg: LegMeasurements) -> None:
         self.leg = leg
-        self.bone_scale = measurement("plateau_breadth") / measurement("plateau_breadth_of_tables")
+        self._bone_scale = measurement("plateau_breadth") / measurement("plateau_breadth_of_tables")
+        self._shaft_scale = measurement("fibula_breadth") / measurement("fibula_breadth_of_tables")
         goals = (leg.ankle_girth, leg.calf_girth, leg.knee_girth)
         scales = [self._solve_scale(*pair) for pair in zip(GIRTH_LEVELS, goals, strict=True)]
         self._scale = PchipInterpolator(GIRTH_LEVELS, scales)
@@ -123,33 +140,43 @@ class LegShape:
     def bone(self, name: str, level: float, scale: float) -> Contour | None:
         """Outer contour of "tibia" or "fibula", or None where the bone does not reach."""
         table = contour_table(name)
-        if not table.lowest <= level <= table.highest + 0.01:
+        if not table.lowest <= level <= table.highest + _END:
             return None
         centre, radius = table.at(level)
-        beyond = max(0.0, (level - table.highest) / 0.01)
-        # A bone that ends inside the leg closes like half an ellipse within 0.01 of a level.
+        beyond = max(0.0, (level - table.highest) / _END)
+        # A bone that ends inside the leg closes like half an ellipse.
         closing = np.sqrt(max(0.0, 1.0 - beyond**2)) if table.highest < HIGHEST_LEVEL else 1.0
-        return Contour(centre * scale, radius * (self.bone_scale * closing))
+        place = centre * max(scale, self._bone_scale)
+        return Contour(place, radius * (self._bone_size(name, level) * closing))
+
+    def _bone_size(self, name: str, level: float) -> float:
+        """In-plane size of a bone against the tables; the fibula's shaft has its own."""
+        shaft = np.interp(level, _SHAFT_LEVELS, (0.0, 1.0, 1.0, 0.0)) if name == "fibula" else 0.0
+        return float(self._bone_scale + shaft * (self._shaft_scale - self._bone_scale))
 
     def _section(self, level: float, scale: float) -> LegSection:
         leg = self.leg
+        bones = self._bones(level, scale)
         centre, radius = contour_table("fascia").at(level)
         fascia = Contour(centre * scale, radius * scale)
+        for bone in bones:
+            fascia = fascia.enclosing(bone.outer)
         fat = fascia.offset(leg.fat_thickness * fat_ratio(level))
-        skin = fat.offset(leg.skin_thickness)
-        bones = []
+        return LegSection(level, scale, fat.offset(leg.skin_thickness), fat, fascia, bones)
+
+    def _bones(self, level: float, scale: float) -> tuple[BoneSection, ...]:
         ratio = cortex_ratio(level)
         walls = {
-            "tibia": leg.cortex_thickness * ratio.tibia,
-            "fibula": leg.fibula_cortex_thickness * ratio.fibula,
+            "tibia": self.leg.cortex_thickness * ratio.tibia,
+            "fibula": self.leg.fibula_cortex_thickness * ratio.fibula,
         }
+        bones = []
         for name, wall in walls.items():
             outer = self.bone(name, level, scale)
             if outer is not None:
                 inner = Contour(outer.centre, np.maximum(outer.offset(-wall).radius, 0.0))
-                canal = Contour(outer.centre, inner.radius * ratio.canal)
-                bones.append(BoneSection(outer, inner, canal))
-        return LegSection(level, scale, skin, fat, fascia, tuple(bones))
+                bones.append(BoneSection(outer, inner, Contour(outer.centre, inner.radius * ratio.canal)))
+        return tuple(bones)
 
     def _solve_scale(self, level: float, girth: float) -> float:
         scale = 1.0
