@@ -14,57 +14,50 @@ a load is a Norton source, Q2 = Y2 P2 + J2.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from vulnus.core.arrays import FloatArray, IndexArray
+from vulnus.core.arrays import FloatArray
 
 from .arrays import ComplexArray
+from .levels import TreeLevels
 from .segments import SegmentTable
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TreeLevels:
-    """The rows of a `SegmentTable` by distance from the root, for sweeps over whole levels.
+class SteadyState:
+    """The mean of every segment, (n,) each.
 
-    Level k holds the rows `bounds[k]:bounds[k + 1]`. `branching[k]` are those with children and
-    `first_child[k]` where each one's children begin, counted from the next level's first row.
+    `pressure_in`, `pressure_out` [Pa] at both ends, `flow` [m³/s]; Norton loads Q = Y P + J as
+    seen distally: `conductance_in`, `source_in` at the inlet, `conductance_load`, `source_load`
+    behind the outlet, in [m³/(Pa s)] and [m³/s].
     """
 
-    bounds: tuple[int, ...]
-    branching: tuple[IndexArray, ...]
-    first_child: tuple[IndexArray, ...]
-
-    @classmethod
-    def of(cls, table: SegmentTable) -> TreeLevels:
-        """Levels of a table, whose rows are in breadth-first order."""
-        levels = int(table.depth[-1]) + 1
-        bounds = np.searchsorted(table.depth, np.arange(levels + 1))
-        branching, first_child = [], []
-        for k in range(levels - 1):
-            parents, first = np.unique(
-                table.parent_row[bounds[k + 1] : bounds[k + 2]], return_index=True
-            )
-            branching.append(parents.astype(np.int64))
-            first_child.append(first.astype(np.int64))
-        return cls(tuple(int(bound) for bound in bounds), tuple(branching), tuple(first_child))
+    pressure_in: FloatArray
+    pressure_out: FloatArray
+    flow: FloatArray
+    conductance_in: FloatArray
+    conductance_load: FloatArray
+    source_in: FloatArray
+    source_load: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NetworkState:
-    """The solved tree, rows as in the table, columns harmonics 0..H (0 the mean).
+    """The solved tree: `steady` for the mean, (n, H) arrays for the harmonics 1..H.
 
-    `pressure_in`, `pressure_out` [Pa] at both ends; `admittance_in`, `admittance_load`
-    [m³/(Pa s)] looking distally at the inlet and behind the outlet; `source_in`, `source_load`
-    (n,) [m³/s], the Norton sources J of the mean there.
+    `root` (H + 1,) is the spectrum of the pressure at the root [Pa]; `pressure_in`,
+    `pressure_out` [Pa] at both ends of a segment; `admittance_in`, `admittance_load`
+    [m³/(Pa s)] looking distally at the inlet and behind the outlet.
     """
 
+    steady: SteadyState
+    root: ComplexArray
     pressure_in: ComplexArray
     pressure_out: ComplexArray
     admittance_in: ComplexArray
     admittance_load: ComplexArray
-    source_in: FloatArray
-    source_load: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,9 +121,8 @@ def harmonic_pressures(
     return pressure_in, pressure_out
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SteadyLoads:
-    """Norton loads of the mean: conductances [m³/(Pa s)] and sources [m³/s], (n,) each."""
+class SteadyLoads(NamedTuple):
+    """Norton loads of the mean as in `SteadyState`, (n,) each."""
 
     conductance_in: FloatArray
     conductance_load: FloatArray
@@ -142,30 +134,40 @@ def steady_loads(
     table: SegmentTable, resistance: FloatArray, venous_pressure: float
 ) -> SteadyLoads:
     """Sweep of the mean from the ends to the root; `resistance` is each line's (Poiseuille)."""
-    load = 1.0 / table.terminal_resistance
-    source = -venous_pressure * load
-    inlet = np.zeros_like(load)
-    source_in = np.zeros_like(load)
+    load = (1.0 / table.terminal_resistance).tolist()
+    source = [-venous_pressure * conductance for conductance in load]
+    inlet, source_in = [0.0] * len(load), [0.0] * len(load)
+    parents, resistances = table.parent_row.tolist(), resistance.tolist()
     for row in range(len(load) - 1, -1, -1):
-        share = 1.0 / (1.0 + resistance[row] * load[row])
+        share = 1.0 / (1.0 + resistances[row] * load[row])
         inlet[row] = load[row] * share
         source_in[row] = source[row] * share
-        parent = table.parent_row[row]
-        if parent >= 0:
+        if (parent := parents[row]) >= 0:
             load[parent] += inlet[row]
             source[parent] += source_in[row]
-    return SteadyLoads(inlet, load, source_in, source)
+    return SteadyLoads(np.array(inlet), np.array(load), np.array(source_in), np.array(source))
 
 
-def steady_pressures(
+def steady_state(
     table: SegmentTable, resistance: FloatArray, loads: SteadyLoads, root_pressure: float
-) -> tuple[FloatArray, FloatArray]:
-    """Mean pressure at the inlet and the outlet of every segment, (n,), from the root's."""
-    pressure_in = np.full(len(resistance), root_pressure)
-    pressure_out = np.empty_like(pressure_in)
-    for row, parent in enumerate(table.parent_row):
+) -> SteadyState:
+    """Mean pressures and flows from the root's mean pressure [Pa] outwards."""
+    pressure_in = [root_pressure] * len(resistance)
+    pressure_out = [0.0] * len(resistance)
+    flow = [0.0] * len(resistance)
+    conductance, source = loads.conductance_in.tolist(), loads.source_in.tolist()
+    drop = resistance.tolist()
+    for row, parent in enumerate(table.parent_row.tolist()):
         if parent >= 0:
             pressure_in[row] = pressure_out[parent]
-        flow = loads.conductance_in[row] * pressure_in[row] + loads.source_in[row]
-        pressure_out[row] = pressure_in[row] - resistance[row] * flow
-    return pressure_in, pressure_out
+        flow[row] = conductance[row] * pressure_in[row] + source[row]
+        pressure_out[row] = pressure_in[row] - drop[row] * flow[row]
+    return SteadyState(
+        pressure_in=np.array(pressure_in),
+        pressure_out=np.array(pressure_out),
+        flow=np.array(flow),
+        conductance_in=loads.conductance_in,
+        conductance_load=loads.conductance_load,
+        source_in=loads.source_in,
+        source_load=loads.source_load,
+    )

@@ -20,6 +20,7 @@ import numpy as np
 from vulnus.core.arrays import FloatArray, IntArray
 from vulnus.core.errors import CirculationError
 
+from .levels import TreeLevels
 from .vessel_names import readable_names
 
 ROOT_PARENT = 0
@@ -50,7 +51,7 @@ class Segment(NamedTuple):
     terminal_resistance: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SegmentTable:
     """A checked tree of segments, ordered by distance from the root, siblings side by side.
 
@@ -68,6 +69,11 @@ class SegmentTable:
     youngs_modulus: FloatArray
     terminal_resistance: FloatArray
     names: tuple[str, ...]
+
+    @cached_property
+    def levels(self) -> TreeLevels:
+        """The rows by distance from the root."""
+        return TreeLevels.of(self.depth, self.parent_row)
 
     @cached_property
     def row_of(self) -> Mapping[int, int]:

@@ -18,12 +18,11 @@ from .injury_branch import InjuryPort
 from .limb_arteries import locate_in_chain
 from .network import (
     NetworkState,
-    TreeLevels,
     WaveFactors,
     harmonic_admittances,
     harmonic_pressures,
     steady_loads,
-    steady_pressures,
+    steady_state,
 )
 from .parameters import CirculationParameters
 from .segments import SegmentTable, stergiopulos91
@@ -115,26 +114,23 @@ class ArterialTree:
 
     @cached_property
     def _state(self) -> NetworkState:
-        levels = TreeLevels.of(self.table)
+        levels = self.table.levels
         waves = WaveFactors.over(self.lines.propagation, self.table.length)
         terminal = terminal_admittance(self.table, self.angular_frequency, self.parameters)
         inlet, load, transmission = harmonic_admittances(
             levels, waves, self.lines.impedance, terminal
         )
-        steady = steady_loads(self.table, self.lines.resistance, self.parameters.venous_pressure)
-        root_admittance = np.concatenate(([steady.conductance_in[0]], inlet[0]))
-        root = self._root_pressure(root_admittance, float(steady.source_in[0]))
+        loads = steady_loads(self.table, self.lines.resistance, self.parameters.venous_pressure)
+        conductance, source = loads.conductance_in[0], float(loads.source_in[0])
+        root = self._root_pressure(np.append(conductance, inlet[0]), source)
         pressure_in, pressure_out = harmonic_pressures(self.table, levels, transmission, root[1:])
-        mean_in, mean_out = steady_pressures(
-            self.table, self.lines.resistance, steady, float(root[0].real)
-        )
         return NetworkState(
-            pressure_in=np.column_stack((mean_in, pressure_in)),
-            pressure_out=np.column_stack((mean_out, pressure_out)),
-            admittance_in=np.column_stack((steady.conductance_in, inlet)),
-            admittance_load=np.column_stack((steady.conductance_load, load)),
-            source_in=steady.source_in,
-            source_load=steady.source_load,
+            steady=steady_state(self.table, self.lines.resistance, loads, float(root[0].real)),
+            root=root,
+            pressure_in=pressure_in,
+            pressure_out=pressure_out,
+            admittance_in=inlet,
+            admittance_load=load,
         )
 
     def _root_pressure(self, admittance: ComplexArray, source: float) -> ComplexArray:
@@ -168,7 +164,7 @@ class ArterialTree:
 
     def pressure_aorta(self) -> FloatArray:
         """Pressure [Pa] at the entrance of the aorta over the cycle, (2 H,)."""
-        return signal_of(self._state.pressure_in[0])
+        return signal_of(self._state.root)
 
     def locate(
         self, artery: str, arc_fraction: float | None = None, arc_length: float | None = None
@@ -218,21 +214,19 @@ class ArterialTree:
         gamma, impedance = self.lines.propagation[row], self.lines.impedance[row]
         whole = np.exp(-2.0 * gamma * self.table.length[row])
         twice = np.exp(-2.0 * gamma * rest)
-        u = impedance * state.admittance_load[row, 1:]
-        wave = state.pressure_in[row, 1:] * np.exp(-gamma * position)
+        u = impedance * state.admittance_load[row]
+        wave = state.pressure_in[row] * np.exp(-gamma * position)
         wave /= (1.0 + whole) + u * (1.0 - whole)
         pressure = wave * ((1.0 + twice) + u * (1.0 - twice))
         flow = wave * ((1.0 - twice) + u * (1.0 + twice)) / impedance
         mean_flow = self.mean_flow(segment)
         drop = self.lines.resistance[row] * position / self.table.length[row] * mean_flow
-        mean_pressure = state.pressure_in[row, 0].real - drop
+        mean_pressure = state.steady.pressure_in[row] - drop
         return np.append(mean_pressure, pressure), np.append(mean_flow, flow)
 
     def mean_flow(self, segment: int) -> float:
         """Mean flow through a segment [m³/s], positive away from the heart."""
-        row, state = self.table.row(segment), self._state
-        driven = state.admittance_in[row, 0] * state.pressure_in[row, 0]
-        return float(driven.real + state.source_in[row])
+        return float(self._state.steady.flow[self.table.row(segment)])
 
     def _place(self, segment: int, position: float) -> tuple[int, float]:
         row = self.table.row(segment)
@@ -269,8 +263,10 @@ class ArterialTree:
             equation = self._along(equation, above, float(self.table.length[above]))
             for sibling in np.flatnonzero(self.table.parent_row == above):
                 if sibling != below:
-                    admittance = self._state.admittance_in[sibling]
-                    source = float(self._state.source_in[sibling])
+                    steady = self._state.steady
+                    conductance = steady.conductance_in[sibling]
+                    admittance = np.append(conductance, self._state.admittance_in[sibling])
+                    source = float(steady.source_in[sibling])
                     equation = through_junction(equation, admittance, source)
         return self._along(equation, row, position)
 
@@ -294,10 +290,10 @@ class ArterialTree:
         state, rest = self._state, self.table.length[row] - position
         impedance = self.lines.impedance[row]
         twice = np.exp(-2.0 * self.lines.propagation[row] * rest)
-        u = impedance * state.admittance_load[row, 1:]
+        u = impedance * state.admittance_load[row]
         wave = (1.0 - twice + u * (1.0 + twice)) / (1.0 + twice + u * (1.0 - twice))
-        conductance = state.admittance_load[row, 0].real
+        conductance = state.steady.conductance_load[row]
         resistance = self.lines.resistance[row] * rest / self.table.length[row]
         share = 1.0 / (1.0 + resistance * conductance)
         admittance = np.append(conductance * share, wave / impedance)
-        return admittance, float(state.source_load[row] * share)
+        return admittance, float(state.steady.source_load[row] * share)
