@@ -1,0 +1,266 @@
+// Python face of the material point solver, for float32 (runs) and float64 (validation).
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/vector.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "injury/mpm_solver.hpp"
+#include "injury/plasticity.hpp"
+
+namespace nb = nanobind;
+using namespace vulnus;
+using namespace vulnus::injury;
+
+namespace {
+
+using Vec3 = std::array<double, 3>;
+template <class T>
+using Array1 = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <class T>
+using Array2 = nb::ndarray<const T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+template <class T>
+using Result = nb::ndarray<nb::numpy, T>;
+
+template <class T>
+Result<T> new_array(std::initializer_list<std::size_t> shape) {
+  std::size_t size = 1;
+  for (std::size_t s : shape) size *= s;
+  T* data = new T[size]();
+  nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
+  return Result<T>(data, shape, owner);
+}
+
+template <class T>
+MaterialTable<T> make_table(Array2<double> rows) {
+  if (rows.shape(0) < 1 || rows.shape(0) > kMaterialCapacity || rows.shape(1) != kMaterialColumns)
+    throw std::invalid_argument("the material table needs 1 to 16 rows of 13 columns");
+  MaterialTable<T> table;
+  for (int c = 0; c < kMaterialColumns; ++c)
+    for (int r = 0; r < kMaterialCapacity; ++r)
+      table.column[c][r] = T(rows(std::min<std::size_t>(r, rows.shape(0) - 1), c));
+  return table;
+}
+
+SolverSettings make_settings(double grid_spacing, double courant_number, Vec3 gravity,
+                             Vec3 domain_lower, Vec3 domain_upper, Vec3 held_axis,
+                             double held_below, double held_above, double largest_step) {
+  SolverSettings s;
+  s.grid_spacing = grid_spacing;
+  s.courant_number = courant_number;
+  s.held_below = held_below;
+  s.held_above = held_above;
+  s.largest_step = largest_step;
+  for (int a = 0; a < 3; ++a) {
+    s.gravity[a] = gravity[a];
+    s.domain_lower[a] = domain_lower[a];
+    s.domain_upper[a] = domain_upper[a];
+    s.held_axis[a] = held_axis[a];
+  }
+  return s;
+}
+
+template <class T>
+class Solver {
+ public:
+  Solver(Array2<double> materials, const SolverSettings& settings)
+      : solver_(settings, make_table<T>(materials)) {}
+
+  void set_particles(Array2<double> position, Array2<double> velocity, Array1<double> volume,
+                     Array1<std::uint8_t> material) {
+    const std::size_t n = position.shape(0);
+    if (velocity.shape(0) != n || volume.shape(0) != n || material.shape(0) != n ||
+        position.shape(1) != 3 || velocity.shape(1) != 3)
+      throw std::invalid_argument("the particle arrays differ in length");
+    auto& set = solver_.particles();
+    set.reset(static_cast<int>(n));
+    for (std::size_t p = 0; p < n; ++p) {
+      for (int a = 0; a < 3; ++a) {
+        set.field[kPosition + a][p] = T(position(p, a));
+        set.field[kVelocity + a][p] = T(velocity(p, a));
+      }
+      set.field[kVolume][p] = T(volume(p));
+      set.material[p] = std::min<std::uint8_t>(material(p), kMaterialCapacity - 1);
+    }
+  }
+
+  // Values of consecutive fields in the particles' original order.
+  Result<T> values(int first, int count) {
+    const auto& set = solver_.particles();
+    auto out = new_array<T>({std::size_t(set.count()), std::size_t(count)});
+    for (int p = 0; p < set.places(); ++p)
+      if (set.id[p] >= 0)
+        for (int f = 0; f < count; ++f)
+          out.data()[std::size_t(set.id[p]) * count + f] = set.field[first + f][p];
+    return out;
+  }
+  void set_values(int first, Array2<double> in) {
+    auto& set = solver_.particles();
+    if (int(in.shape(0)) != set.count() || first + int(in.shape(1)) > kParticleFields)
+      throw std::invalid_argument("the values do not fit the particles");
+    for (int p = 0; p < set.places(); ++p)
+      if (set.id[p] >= 0)
+        for (std::size_t f = 0; f < in.shape(1); ++f) set.field[first + f][p] = T(in(set.id[p], f));
+  }
+
+  void set_tracers(Array2<double> position) {
+    solver_.tracers().clear();
+    for (std::size_t p = 0; p < position.shape(0); ++p)
+      solver_.tracers().push_back({{position(p, 0), position(p, 1), position(p, 2)}, 1e30});
+  }
+  Result<double> tracer_state() {
+    const auto& tracers = solver_.tracers();
+    auto out = new_array<double>({tracers.size(), 4});
+    for (std::size_t p = 0; p < tracers.size(); ++p) {
+      for (int a = 0; a < 3; ++a) out.data()[4 * p + a] = tracers[p].position[a];
+      out.data()[4 * p + 3] = tracers[p].smallest_gap;
+    }
+    return out;
+  }
+
+  Result<T> state_fields() {
+    const auto& set = solver_.particles();
+    auto out = new_array<T>({kParticleFields, std::size_t(set.places())});
+    for (int f = 0; f < kParticleFields; ++f)
+      std::copy(set.field[f].begin(), set.field[f].end(),
+                out.data() + std::size_t(f) * set.places());
+    return out;
+  }
+  Result<std::int32_t> state_id() { return copy(solver_.particles().id); }
+  Result<std::uint8_t> state_material() { return copy(solver_.particles().material); }
+
+  void restore(Array2<T> fields, Array1<std::int32_t> id, Array1<std::uint8_t> material,
+               Array2<double> tracers, double time, std::int64_t steps, double sound_speed) {
+    const std::size_t places = id.shape(0);
+    if (fields.shape(0) != kParticleFields || fields.shape(1) != places ||
+        material.shape(0) != places || tracers.shape(1) != 4)
+      throw std::invalid_argument("the saved state does not fit this solver");
+    auto& set = solver_.particles();
+    set.restore(places, fields.data(), id.data(), material.data());
+    set_tracers(tracers);
+    for (std::size_t p = 0; p < tracers.shape(0); ++p)
+      solver_.tracers()[p].smallest_gap = tracers(p, 3);
+    solver_.restore(time, steps, sound_speed);
+  }
+
+  nb::dict totals(bool grid) {
+    const Totals t = grid ? solver_.grid_totals() : solver_.particle_totals();
+    nb::dict d;
+    d["mass"] = t.mass;
+    d["momentum"] = nb::make_tuple(t.momentum[0], t.momentum[1], t.momentum[2]);
+    d["angular_momentum"] =
+        nb::make_tuple(t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2]);
+    d["kinetic_energy"] = t.kinetic_energy;
+    return d;
+  }
+
+  MpmSolver<T>& native() { return solver_; }
+
+ private:
+  template <class V>
+  Result<typename V::value_type> copy(const V& v) {
+    auto out = new_array<typename V::value_type>({v.size()});
+    std::copy(v.begin(), v.end(), out.data());
+    return out;
+  }
+
+  MpmSolver<T> solver_;
+};
+
+template <class T>
+void bind_solver(nb::module_& m, const char* name) {
+  using S = Solver<T>;
+  nb::class_<S>(m, name)
+      .def(
+          "__init__",
+          [](S* self, Array2<double> materials, double grid_spacing, double courant_number,
+             Vec3 gravity, Vec3 domain_lower, Vec3 domain_upper, Vec3 held_axis, double held_below,
+             double held_above, double largest_step, Vec3 sphere_centre, Vec3 sphere_velocity,
+             double sphere_radius, double sphere_friction) {
+            SolverSettings s =
+                make_settings(grid_spacing, courant_number, gravity, domain_lower, domain_upper,
+                              held_axis, held_below, held_above, largest_step);
+            std::copy(sphere_centre.begin(), sphere_centre.end(), s.sphere.centre);
+            std::copy(sphere_velocity.begin(), sphere_velocity.end(), s.sphere.velocity);
+            s.sphere.radius = sphere_radius;
+            s.sphere.friction = sphere_friction;
+            new (self) S(materials, s);
+          },
+          nb::kw_only(), nb::arg("materials"), nb::arg("grid_spacing"), nb::arg("courant_number"),
+          nb::arg("gravity"), nb::arg("domain_lower"), nb::arg("domain_upper"),
+          nb::arg("held_axis"), nb::arg("held_below"), nb::arg("held_above"),
+          nb::arg("largest_step"), nb::arg("sphere_centre"), nb::arg("sphere_velocity"),
+          nb::arg("sphere_radius"), nb::arg("sphere_friction"))
+      .def("set_particles", &S::set_particles)
+      .def("values", &S::values)
+      .def("set_values", &S::set_values)
+      .def("set_tracers", &S::set_tracers)
+      .def("tracer_state", &S::tracer_state)
+      .def("state_fields", &S::state_fields)
+      .def("state_id", &S::state_id)
+      .def("state_material", &S::state_material)
+      .def("restore", &S::restore)
+      .def("totals", &S::totals, nb::kw_only(), nb::arg("grid"))
+      .def("advance",
+           [](S& s, int max_steps, double stop_time) {
+             nb::gil_scoped_release release;
+             return s.native().advance(max_steps, stop_time);
+           })
+      .def("scatter_only", [](S& s, double dt) { s.native().scatter_only(dt); })
+      .def("gather_only", [](S& s, double dt) { s.native().gather_only(dt); })
+      .def_prop_ro("synchronized", [](S& s) { return s.native().synchronized(); })
+      .def_prop_ro("time", [](S& s) { return s.native().time(); })
+      .def_prop_ro("steps", [](S& s) { return s.native().steps(); })
+      .def_prop_ro("step_size", [](S& s) { return s.native().step_size(); })
+      .def_prop_ro("sound_speed", [](S& s) { return s.native().largest_sound_speed(); })
+      .def_prop_ro("memory_bytes", [](S& s) { return s.native().memory_bytes(); })
+      .def_prop_ro("fault_bits", [](S& s) { return s.native().fault().bits(); })
+      .def_prop_ro("fault_particle", [](S& s) { return s.native().fault().particle(); });
+}
+
+// Runs the return map on points without a grid: rows of strain b_e - I (xx yy zz xy yz zx), plastic
+// strain and opening in; the same after the return, and the Kirchhoff stress, out.
+template <class T>
+Result<double> return_map(Array2<double> table, Array1<std::uint8_t> material, Array2<double> state,
+                          Array1<double> rate) {
+  using Real = typename LaneTraits<T>::Real;
+  constexpr std::size_t width = LaneTraits<T>::kWidth;
+  if (state.shape(1) != 8 || material.shape(0) != state.shape(0) || rate.shape(0) != state.shape(0))
+    throw std::invalid_argument("the points need eight values, a material and a rate each");
+  const MaterialTable<T> materials = make_table<T>(table);
+  const std::size_t n = state.shape(0);
+  auto out = new_array<double>({n, 14});
+  for (std::size_t first = 0; first < n; first += width) {
+    Real s[8], r;
+    typename LaneTraits<T>::Integer index;
+    for (std::size_t i = 0; i < width; ++i) {
+      const std::size_t p = std::min(first + i, n - 1);
+      for (int a = 0; a < 8; ++a) s[a][i] = T(state(p, a));
+      index[i] = std::min<std::uint8_t>(material(p), kMaterialCapacity - 1);
+      r[i] = T(rate(p));
+    }
+    PointState<Real> point{{s[0], s[1], s[2], s[3], s[4], s[5]}, s[6], s[7]};
+    const auto stress = update_stress(look_up_material(materials, index), r, point);
+    const auto &e = point.strain, &t = stress.kirchhoff;
+    const Real column[14] = {e.xx,          e.yy, e.zz, e.xy, e.yz, e.zx, point.plastic_strain,
+                             point.opening, t.xx, t.yy, t.zz, t.xy, t.yz, t.zx};
+    for (std::size_t i = 0; i < width && first + i < n; ++i)
+      for (int a = 0; a < 14; ++a) out.data()[(first + i) * 14 + a] = column[a][i];
+  }
+  return out;
+}
+
+}  // namespace
+
+NB_MODULE(_native, m) {
+  bind_solver<float>(m, "Solver32");
+  bind_solver<double>(m, "Solver64");
+  m.def("return_map32", &return_map<float>);
+  m.def("return_map64", &return_map<double>);
+  m.def("set_num_threads", [](int n) { omp_set_num_threads(n > 0 ? n : omp_get_num_procs()); });
+}

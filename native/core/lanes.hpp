@@ -1,0 +1,226 @@
+// A law is written once for a type R that is float, double or a bundle of lanes (64 bytes: 16
+// floats or 8 doubles). Comparisons of lanes give masks; `select` replaces the branch.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#if defined(__AVX512F__) || defined(__AVX__)
+#include <immintrin.h>
+#endif
+
+#include "core/host_device.hpp"
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace vulnus {
+
+typedef float Float16 __attribute__((vector_size(64)));
+typedef std::int32_t Int16 __attribute__((vector_size(64)));
+typedef double Double8 __attribute__((vector_size(64)));
+typedef std::int64_t Int8 __attribute__((vector_size(64)));
+typedef double Double16 __attribute__((vector_size(128)));
+
+// What goes with a scalar type T: a bundle of lanes, its integers, and a row of 16 values (four
+// grid nodes with four components each).
+template <class T>
+struct LaneTraits;
+
+template <>
+struct LaneTraits<float> {
+  using Real = Float16;
+  using Integer = Int16;
+  using Row = Float16;
+  using IntegerScalar = std::int32_t;
+  static constexpr int kWidth = 16;
+};
+
+template <>
+struct LaneTraits<double> {
+  using Real = Double8;
+  using Integer = Int8;
+  using Row = Double16;
+  using IntegerScalar = std::int64_t;
+  static constexpr int kWidth = 8;
+};
+
+template <class R>
+struct ScalarOf {
+  using Type = R;
+};
+template <>
+struct ScalarOf<Float16> {
+  using Type = float;
+};
+template <>
+struct ScalarOf<Double8> {
+  using Type = double;
+};
+
+template <class R, class T>
+VULNUS_HD R broadcast(T value) {
+  return R{} + static_cast<typename ScalarOf<R>::Type>(value);
+}
+
+VULNUS_HD float select(bool mask, float a, float b) { return mask ? a : b; }
+VULNUS_HD double select(bool mask, double a, double b) { return mask ? a : b; }
+VULNUS_HD Float16 select(Int16 mask, Float16 a, Float16 b) { return mask ? a : b; }
+VULNUS_HD Double8 select(Int8 mask, Double8 a, Double8 b) { return mask ? a : b; }
+
+VULNUS_HD bool any(bool mask) { return mask; }
+VULNUS_HD bool any(Int16 mask) {
+#ifdef __AVX512F__
+  return _mm512_test_epi32_mask(reinterpret_cast<__m512i>(mask), reinterpret_cast<__m512i>(mask)) !=
+         0;
+#else
+  std::int32_t bits = 0;
+  for (int i = 0; i < 16; ++i) bits |= mask[i];
+  return bits != 0;
+#endif
+}
+VULNUS_HD bool any(Int8 mask) {
+  std::int64_t bits = 0;
+  for (int i = 0; i < 8; ++i) bits |= mask[i];
+  return bits != 0;
+}
+
+template <class R>
+VULNUS_HD R maximum(R a, R b) {
+  return select(a > b, a, b);
+}
+template <class R>
+VULNUS_HD R minimum(R a, R b) {
+  return select(a < b, a, b);
+}
+
+VULNUS_HD float square_root(float a) { return std::sqrt(a); }
+VULNUS_HD double square_root(double a) { return std::sqrt(a); }
+VULNUS_HD Float16 square_root(Float16 a) {
+#ifdef __AVX512F__
+  return reinterpret_cast<Float16>(_mm512_sqrt_ps(reinterpret_cast<__m512>(a)));
+#else
+  Float16 r;
+  for (int i = 0; i < 16; ++i) r[i] = std::sqrt(a[i]);
+  return r;
+#endif
+}
+VULNUS_HD Double8 square_root(Double8 a) {
+  Double8 r;
+  for (int i = 0; i < 8; ++i) r[i] = std::sqrt(a[i]);
+  return r;
+}
+
+// log(1 + x), accurate relative to x for small x. Doubles go through libm (validation build).
+VULNUS_HD float log_one_plus(float x) { return std::log1p(x); }
+VULNUS_HD double log_one_plus(double x) { return std::log1p(x); }
+VULNUS_HD Double8 log_one_plus(Double8 x) {
+  Double8 r;
+  for (int i = 0; i < 8; ++i) r[i] = std::log1p(x[i]);
+  return r;
+}
+
+// Natural logarithm of u > 0 in lanes: polynomial of the Cephes library (logf), |error| < 2 ulp.
+VULNUS_HD Float16 logarithm(Float16 u) {
+  Int16 bits = reinterpret_cast<Int16>(u);
+  Int16 exponent = (bits >> 23) - 126;
+  Float16 m = reinterpret_cast<Float16>((bits & 0x007fffff) | 0x3f000000);  // [0.5, 1)
+  Int16 low = m < 0.70710678f;
+  m = low ? m + m : m;
+  exponent = low ? exponent - 1 : exponent;
+  const Float16 e = __builtin_convertvector(exponent, Float16);
+  const Float16 x = m - 1.0f;
+  const Float16 z = x * x;
+  Float16 y = Float16{} + 7.0376836292e-2f;
+  y = y * x - 1.1514610310e-1f;
+  y = y * x + 1.1676998740e-1f;
+  y = y * x - 1.2420140846e-1f;
+  y = y * x + 1.4249322787e-1f;
+  y = y * x - 1.6668057665e-1f;
+  y = y * x + 2.0000714765e-1f;
+  y = y * x - 2.4999993993e-1f;
+  y = y * x + 3.3333331174e-1f;
+  y = y * x * z - 2.12194440e-4f * e - 0.5f * z;
+  return x + y + 0.693359375f * e;
+}
+VULNUS_HD Float16 log_one_plus(Float16 x) {
+  const Float16 u = 1.0f + x;
+  return logarithm(u) + (x - (u - 1.0f)) / u;
+}
+
+VULNUS_HD float logarithm(float x) { return std::log(x); }
+VULNUS_HD double logarithm(double x) { return std::log(x); }
+VULNUS_HD Double8 logarithm(Double8 x) {
+  Double8 r;
+  for (int i = 0; i < 8; ++i) r[i] = std::log(x[i]);
+  return r;
+}
+
+// exp(x) - 1, accurate relative to x for small x.
+VULNUS_HD float exp_minus_one(float x) { return std::expm1(x); }
+VULNUS_HD double exp_minus_one(double x) { return std::expm1(x); }
+VULNUS_HD Double8 exp_minus_one(Double8 x) {
+  Double8 r;
+  for (int i = 0; i < 8; ++i) r[i] = std::expm1(x[i]);
+  return r;
+}
+VULNUS_HD Float16 exp_minus_one(Float16 x) {
+  x = minimum(maximum(x, Float16{} - 80.0f), Float16{} + 80.0f);
+  const Float16 scaled = x * 1.44269504088896341f;
+  const Int16 n = __builtin_convertvector(
+      scaled + select(scaled < 0.0f, Float16{} - 0.5f, Float16{} + 0.5f), Int16);
+  const Float16 nf = __builtin_convertvector(n, Float16);
+  const Float16 r = (x - nf * 0.693359375f) + nf * 2.12194440e-4f;  // |r| <= ln 2 / 2
+  Float16 p = Float16{} + 1.9841270e-4f;  // Taylor to r^7 / 7!: 2e-9 at |r| = 0.35
+  p = p * r + 1.3888889e-3f;
+  p = p * r + 8.3333333e-3f;
+  p = p * r + 4.1666667e-2f;
+  p = p * r + 1.6666667e-1f;
+  p = p * r + 0.5f;
+  p = p * r * r + r;
+  const Float16 power = reinterpret_cast<Float16>((n + 127) << 23);
+  return power * p + (power - 1.0f);
+}
+
+// a^b for a > 0.
+template <class R>
+VULNUS_HD R power(R a, R b) {
+  return exp_minus_one(b * logarithm(a)) + broadcast<R>(1);
+}
+
+// Value of a 16-entry table at each lane's index.
+VULNUS_HD Float16 look_up(const float* table, Int16 index) {
+  Float16 t = *reinterpret_cast<const Float16*>(table);
+  return __builtin_shuffle(t, index);
+}
+VULNUS_HD Double8 look_up(const double* table, Int8 index) {
+  Double8 r;
+  for (int i = 0; i < 8; ++i) r[i] = table[index[i]];
+  return r;
+}
+
+template <int Step, std::size_t... Lane>
+VULNUS_HD void exchange(Float16& a, Float16& b, std::index_sequence<Lane...>) {
+  const Float16 x = a;
+  const Float16 y = b;
+  a = __builtin_shufflevector(x, y, ((Lane & Step) ? int(Lane) - Step + 16 : int(Lane))...);
+  b = __builtin_shufflevector(x, y, ((Lane & Step) ? int(Lane) + 16 : int(Lane) + Step)...);
+}
+
+// Transposes 16 rows of 16 floats in place.
+VULNUS_HD void transpose(Float16 (&row)[16]) {
+  constexpr auto lanes = std::make_index_sequence<16>{};
+#pragma GCC unroll 16
+  for (int i = 0; i < 8; ++i) exchange<8>(row[i], row[i + 8], lanes);
+#pragma GCC unroll 16
+  for (int i = 0; i < 16; ++i)
+    if (!(i & 4)) exchange<4>(row[i], row[i + 4], lanes);
+#pragma GCC unroll 16
+  for (int i = 0; i < 16; ++i)
+    if (!(i & 2)) exchange<2>(row[i], row[i + 2], lanes);
+#pragma GCC unroll 16
+  for (int i = 0; i < 16; ++i)
+    if (!(i & 1)) exchange<1>(row[i], row[i + 1], lanes);
+}
+
+}  // namespace vulnus

@@ -1,0 +1,106 @@
+// The material point method for rho Dv/Dt = div sigma + rho g (Equation: Chong2017 (1)): MLS-MPM
+// with APIC transfers on a sparse blocked grid.
+//
+// Steps come in epochs. An epoch starts by sorting the particles; then, until a particle may have
+// drifted by a cell, each step is one fused pass over the particles: gather from the old nodes,
+// update strain and stress, scatter to the tiles for the next step. At the end of an epoch
+// (`synchronized()`) the particles hold the whole state, and only there may it be saved.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/fault.hpp"
+#include "injury/block_grid.hpp"
+#include "injury/material.hpp"
+#include "injury/particle_set.hpp"
+#include "injury/projectile.hpp"
+
+namespace vulnus::injury {
+
+struct SolverSettings {
+  double grid_spacing = 0;
+  double courant_number = 0.4;
+  double gravity[3] = {0, 0, 0};
+  double domain_lower[3] = {0, 0, 0};  // local frame
+  double domain_upper[3] = {0, 0, 0};
+  double held_axis[3] = {0, 0, 1};
+  double held_below = -1e30;  // nodes with axis coordinate below or above are held fast
+  double held_above = 1e30;
+  double largest_step = 1e30;
+  Sphere sphere;
+};
+
+// A massless point that moves with the grid's velocity: a station of an artery's centre-line.
+struct Tracer {
+  double position[3];
+  double smallest_gap;  // distance to the projectile's surface, smallest so far [m]
+};
+
+struct Totals {
+  double mass;
+  double momentum[3];
+  double angular_momentum[3];  // about the local origin, with APIC's affine part
+  double kinetic_energy;
+};
+
+template <class T>
+class MpmSolver {
+ public:
+  MpmSolver(const SolverSettings& settings, const MaterialTable<T>& materials);
+
+  ParticleSet<T>& particles() { return particles_; }
+  std::vector<Tracer>& tracers() { return tracers_; }
+  const SolverSettings& settings() const { return settings_; }
+
+  // Takes at most max_steps steps, not past stop_time; returns how many.
+  int advance(int max_steps, double stop_time);
+
+  bool synchronized() const { return !grid_ready_; }
+  double time() const { return time_; }
+  std::int64_t steps() const { return steps_; }
+  double step_size() const { return step_; }
+  double largest_sound_speed() const { return sound_speed_; }
+  void restore(double time, std::int64_t steps, double sound_speed);
+
+  FaultRecord& fault() { return fault_; }
+  std::size_t memory_bytes() const;
+  Totals particle_totals() const;
+  Totals grid_totals() const;
+
+  // One scatter onto the grid with step size dt, for tests of the transfer: sorts, scatters and
+  // reduces, and leaves momentum on the nodes.
+  void scatter_only(double dt);
+  // The counterpart: turns momentum into velocity and gathers.
+  void gather_only(double dt);
+
+ private:
+  void begin_epoch(double stop_time);
+  double stable_step(double speed) const;
+  double clipped_step(double speed, double stop_time) const;
+  double largest_particle_speed() const;
+  double update_grid(double dt);
+  double update_block(int i, double dt);
+  void collide_block(int i);
+  void move_tracers(double dt);
+  template <bool Gather, bool Scatter>
+  void particle_pass(double dt, double next_dt);
+
+  SolverSettings settings_;
+  MaterialTable<T> materials_;
+  ParticleSet<T> particles_;
+  BlockGrid<T> grid_;
+  std::vector<Tracer> tracers_;
+  FaultRecord fault_;
+  double time_ = 0;
+  double step_ = 0;
+  double drift_ = 0;  // how far a particle may have moved since the sort [m]
+  double sound_speed_ = 0;
+  std::int64_t steps_ = 0;
+  bool grid_ready_ = false;
+};
+
+extern template class MpmSolver<float>;
+extern template class MpmSolver<double>;
+
+}  // namespace vulnus::injury

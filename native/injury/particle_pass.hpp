@@ -1,0 +1,164 @@
+// What one bundle of particles does in a step, on a tile: gather, move, strain, stress, scatter.
+#pragma once
+
+#include "core/fault.hpp"
+#include "injury/mpm_solver.hpp"
+#include "injury/plasticity.hpp"
+#include "injury/transfer.hpp"
+
+namespace vulnus::injury {
+
+// The numbers that are the same for all particles of a pass.
+template <class T>
+struct PassNumbers {
+  T cells_per_metre;
+  T grid_spacing;
+  T dt;       // of the step that ends: moves and strains
+  T next_dt;  // of the step that begins: the impulse of the stress
+  T lower[3], upper[3];
+};
+
+template <class T>
+struct Bundle {
+  using Real = typename LaneTraits<T>::Real;
+  using Row = typename LaneTraits<T>::Row;
+  using Integer = typename LaneTraits<T>::Integer;
+  static constexpr int kWidth = LaneTraits<T>::kWidth;
+
+  ParticleSet<T>& set;
+  std::size_t first;
+  Real x[3], v[3];
+  Matrix3<Real> c;
+  PointState<Real> point;
+  Real volume;
+  Material<Real> material;
+
+  VULNUS_HD Real load(int field) const {
+    return *reinterpret_cast<const Real*>(set.field[field].data() + first);
+  }
+  VULNUS_HD void store(int field, Real value) {
+    *reinterpret_cast<Real*>(set.field[field].data() + first) = value;
+  }
+
+  VULNUS_HD Bundle(ParticleSet<T>& particles, std::size_t place, const MaterialTable<T>& materials)
+      : set(particles), first(place) {
+    for (int a = 0; a < 3; ++a) x[a] = load(kPosition + a);
+    point.strain = {load(kStrain),     load(kStrain + 1), load(kStrain + 2),
+                    load(kStrain + 3), load(kStrain + 4), load(kStrain + 5)};
+    point.plastic_strain = load(kPlasticStrain);
+    point.opening = load(kOpening);
+    volume = load(kVolume);
+    Integer index;
+    for (int i = 0; i < kWidth; ++i) index[i] = set.material[first + i];
+    material = look_up_material(materials, index);
+  }
+
+  VULNUS_HD void load_velocity() {
+    for (int a = 0; a < 3; ++a) v[a] = load(kVelocity + a);
+    for (int a = 0; a < 9; ++a) c.m[a / 3][a % 3] = load(kGradient + a);
+  }
+  VULNUS_HD void store_velocity() {
+    for (int a = 0; a < 3; ++a) store(kVelocity + a, v[a]);
+    for (int a = 0; a < 9; ++a) store(kGradient + a, c.m[a / 3][a % 3]);
+  }
+  VULNUS_HD void store_point() {
+    for (int a = 0; a < 3; ++a) store(kPosition + a, x[a]);
+    const Symmetric3<Real>& s = point.strain;
+    const Real strain[6] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
+    for (int a = 0; a < 6; ++a) store(kStrain + a, strain[a]);
+    store(kPlasticStrain, point.plastic_strain);
+    store(kOpening, point.opening);
+  }
+};
+
+// Rows of 16 values a particle to 16 lanes-of-particles a value, and back.
+VULNUS_HD void rows_to_lanes(Float16 (&row)[16]) { transpose(row); }
+VULNUS_HD void lanes_to_rows(Float16 (&lane)[16]) { transpose(lane); }
+
+VULNUS_HD void rows_to_lanes(const Double16 (&row)[8], Double8 (&lane)[16]) {
+  for (int v = 0; v < 16; ++v)
+    for (int p = 0; p < 8; ++p) lane[v][p] = row[p][v];
+}
+VULNUS_HD void lanes_to_rows(const Double8 (&lane)[16], Double16 (&row)[8]) {
+  for (int p = 0; p < 8; ++p)
+    for (int v = 0; v < 16; ++v) row[p][v] = lane[v][p];
+}
+
+template <class T>
+VULNUS_HD void gather_rows(const T* tile, const Stencil<T>& s,
+                           typename LaneTraits<T>::Real (&value)[16]) {
+  if constexpr (sizeof(T) == 4) {
+    for (int p = 0; p < 16; ++p) value[p] = gather_moments(tile, s, p);
+    rows_to_lanes(value);
+  } else {
+    typename LaneTraits<T>::Row row[LaneTraits<T>::kWidth];
+    for (int p = 0; p < LaneTraits<T>::kWidth; ++p) row[p] = gather_moments(tile, s, p);
+    rows_to_lanes(row, value);
+  }
+}
+
+template <class T>
+VULNUS_HD void scatter_rows(T* tile, const Stencil<T>& s,
+                            typename LaneTraits<T>::Real (&value)[16]) {
+  if constexpr (sizeof(T) == 4) {
+    lanes_to_rows(value);
+    for (int p = 0; p < 16; ++p) scatter_affine(tile, s, p, value[p]);
+  } else {
+    typename LaneTraits<T>::Row row[LaneTraits<T>::kWidth];
+    lanes_to_rows(value, row);
+    for (int p = 0; p < LaneTraits<T>::kWidth; ++p) scatter_affine(tile, s, p, row[p]);
+  }
+}
+
+// v_p = sum w v_i and C_p = (4/dx^2) sum w v_i (x_i - x_p)^T (PHYSICS 1.4).
+template <class T>
+VULNUS_HD void gather_velocity(Bundle<T>& b, const T* tile, const Stencil<T>& s,
+                               const PassNumbers<T>& n) {
+  typename LaneTraits<T>::Real value[16];
+  gather_rows(tile, s, value);
+  const T factor = T(4) * n.cells_per_metre;
+  for (int i = 0; i < 3; ++i) {
+    b.v[i] = value[1 + i];
+    for (int j = 0; j < 3; ++j)
+      b.c.m[i][j] = factor * (value[5 + 4 * j + i] - s.fraction[j] * b.v[i]);
+  }
+}
+
+// Moves and strains the bundle; its stress, returned to the yield surface.
+template <class T>
+VULNUS_HD StressUpdate<typename LaneTraits<T>::Real> deform(Bundle<T>& b, const PassNumbers<T>& n) {
+  Matrix3<typename LaneTraits<T>::Real> increment;
+  for (int i = 0; i < 3; ++i) {
+    b.x[i] += n.dt * b.v[i];
+    for (int j = 0; j < 3; ++j) increment.m[i][j] = n.dt * b.c.m[i][j];
+  }
+  b.point.strain = advance_strain(b.point.strain, increment);
+  return update_stress(b.material, equivalent_strain_rate(b.c), b.point);
+}
+
+// (mv)_i = sum w (m v + A (x_i - x_p)) with A = m C - dt (4/dx^2) V0 tau (PHYSICS 1.4).
+template <class T>
+VULNUS_HD void scatter_momentum(const Bundle<T>& b, T* tile, const Stencil<T>& s,
+                                const Symmetric3<typename LaneTraits<T>::Real>& kirchhoff,
+                                const PassNumbers<T>& n) {
+  using Real = typename LaneTraits<T>::Real;
+  const Real mass = b.material.density * b.volume;
+  const Real inertia = mass * n.grid_spacing;
+  const Real impulse = b.volume * (T(-4) * n.next_dt * n.cells_per_metre);
+  const auto& t = kirchhoff;
+  const Real tau[3][3] = {{t.xx, t.xy, t.zx}, {t.xy, t.yy, t.yz}, {t.zx, t.yz, t.zz}};
+  Real value[16];
+  value[0] = mass;
+  for (int j = 0; j < 3; ++j) value[4 + 4 * j] = Real{};
+  for (int i = 0; i < 3; ++i) {
+    value[1 + i] = mass * b.v[i];
+    for (int j = 0; j < 3; ++j) {
+      const Real affine = inertia * b.c.m[i][j] + impulse * tau[i][j];
+      value[5 + 4 * j + i] = affine;
+      value[1 + i] -= affine * s.fraction[j];
+    }
+  }
+  scatter_rows(tile, s, value);
+}
+
+}  // namespace vulnus::injury
