@@ -108,7 +108,7 @@ class CirculationSection(Section):
         CirculationParameters,
         "injury_mode",
         "",
-        '"transection": nothing flows on past the cut; "shunt": the paper\'s branch',
+        '"transection": nothing flows on past the cut; "shunt": the paper\'s branch beside it',
     )
     shunt_resistance_pa_s_per_m3: float = quantity(
         CirculationParameters,

@@ -173,6 +173,7 @@ def _advice(config: type[Section], key: str) -> str:
     field = section.model_fields.get(name)
     if field is None or isinstance(field.default, Section):
         return "Correct it"
-    takes = " ".join(note for note in (limits_of(field), unit_of(field)) if note)
+    limits, unit = limits_of(field), unit_of(field)
+    takes = f"a value {limits} {unit}".strip() if limits else f"it in {unit}" if unit else ""
     default = value_as_toml(None if may_be_auto(field) else field.default)
-    return f"Give a value {takes} (default {default})" if takes else f"The default is {default}"
+    return f"Give {takes} (default {default})" if takes else f"The default is {default}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any
 
 from vulnus.anatomy.parameters import AnatomyParameters
 from vulnus.circulation.parameters import CirculationParameters
+from vulnus.core.errors import InputFileError
 from vulnus.coupling.parameters import CouplingParameters
 from vulnus.hemorrhage.parameters import HemorrhageParameters
 from vulnus.imaging.parameters import ImagingParameters
@@ -51,7 +53,26 @@ class Scenario:
 
 def load_scenario(source: str | Path) -> Scenario:
     """The scenario of a TOML file or of a preset; ScenarioError where it cannot be used."""
-    return _in_si(read_config(source))
+    scenario = _in_si(read_config(source))
+    for path in scenario.inputs:
+        _require_file(path, str(source))
+    return scenario
+
+
+def _require_file(path: Path, scenario: str) -> None:
+    """Raise `InputFileError` with the nearest name unless `path` is a file."""
+    if path.is_file():
+        return
+    try:
+        names = [item.name for item in path.parent.iterdir()]
+    except OSError:
+        names = []
+    close = difflib.get_close_matches(path.name, names, n=1, cutoff=0.6)
+    raise InputFileError(
+        str(path),
+        f"there is no such file (named in {scenario}, relative to its folder)",
+        f"Did you mean {path.with_name(close[0])}?" if close else "Correct the path in [imaging]",
+    )
 
 
 def scenario_from_text(text: str, *, file: str, folder: Path | None = None) -> Scenario:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
+from vulnus import __version__
 from vulnus.core.checkpoint import CheckpointData
 
 from .handoff_file import DamagedFileError, read_handoff, write_handoff
@@ -35,6 +36,8 @@ class FileCheckpoint:
         """The newest checkpoint; None where there is none or it is damaged."""
         try:
             data, note = read_handoff(self.path)
+            if note["version"] != __version__:
+                raise DamagedFileError(f"{self.path} is of vulnus {note['version']}")
             self._earlier = float(note["wall"])
         except FileNotFoundError:
             return None
@@ -47,7 +50,7 @@ class FileCheckpoint:
 
     def save(self, data: CheckpointData) -> None:
         """Replace the checkpoint, whole or not at all."""
-        write_handoff(self.path, data, {"wall": self.wall})
+        write_handoff(self.path, data, {"wall": self.wall, "version": __version__})
         self._saved = time.monotonic()
 
     def due(self) -> bool:

@@ -12,7 +12,7 @@ import enum
 import hashlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -47,6 +47,18 @@ def write_handoff(path: Path, content: object, note: Mapping[str, float | int | 
 
 def read_handoff(path: Path) -> tuple[Any, dict[str, str]]:
     """What `write_handoff` wrote: the content, and the note as text; may raise DamagedFileError."""
+    return _read(path, lambda group: (_decode(group), _note(group)))
+
+
+def read_note(path: Path) -> dict[str, str]:
+    """The note alone, of a file whose checksum is right."""
+    return _read(path, _note)
+
+
+Result = TypeVar("Result")
+
+
+def _read(path: Path, interpret: Callable[[Any], Result]) -> Result:
     import io
 
     import h5py
@@ -58,11 +70,14 @@ def read_handoff(path: Path) -> tuple[Any, dict[str, str]]:
         raise DamagedFileError(f"{path} is truncated or was altered")
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
-            group = file["content"]
-            pairs = [str(text) for text in group.attrs["note"]]
-            return _decode(group), dict(zip(pairs[::2], pairs[1::2], strict=True))
+            return interpret(file["content"])
     except (AttributeError, KeyError, TypeError, ValueError, OSError) as trouble:
         raise DamagedFileError(f"{path} does not hold what was asked for: {trouble}") from trouble
+
+
+def _note(group: Any) -> dict[str, str]:
+    pairs = [str(text) for text in group.attrs["note"]]
+    return dict(zip(pairs[::2], pairs[1::2], strict=True))
 
 
 def _flat(note: Mapping[str, float | int | str]) -> list[str]:

@@ -13,7 +13,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
@@ -23,13 +24,19 @@ from vulnus.core.handoff import BleedLedger, BleedWaveforms, ParticleFrame
 
 from .checkpoint_file import FileCheckpoint
 from .frame_series import FrameSeries
-from .handoff_file import DamagedFileError, read_handoff, write_handoff
+from .handoff_file import DamagedFileError, read_handoff, read_note, write_handoff
 from .provenance import describe_input, describe_session, now
 from .run_lock import RunLock
 from .tables import LEDGER_COLUMNS, WAVEFORM_COLUMNS, as_csv, read_csv
 from .whole_file import remove_parts, storage_error, write_whole
 
+
+class StageReachedError(Exception):
+    """The stage that the run was to stop after has ended; nothing is wrong."""
+
+
 HandOff = TypeVar("HandOff")
+Found = TypeVar("Found")
 
 
 class RunStore:
@@ -92,6 +99,16 @@ class RunStore:
         """Whether the run has begun."""
         return (self.path / "scenario.toml").is_file()
 
+    def scenario_text(self) -> str:
+        """The resolved scenario of the run."""
+        path = self.path / "scenario.toml"
+        try:
+            return path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as trouble:
+            raise StorageError(
+                str(path), f"it cannot be read ({trouble})", "Restore the file, or start a new run"
+            ) from trouble
+
     def write_scenario(self, text: str) -> None:
         """Keep the resolved scenario."""
         write_whole(self.path / "scenario.toml", text)
@@ -128,6 +145,24 @@ class RunStore:
         record["sessions"][-1].update(ended)
         self._write_provenance(record | ended)
 
+    @contextmanager
+    def session(
+        self, argv: Iterable[str], *, seed: int, threads: int, inputs: Iterable[Path] = ()
+    ) -> Iterator[None]:
+        """Note in the provenance that this process works on the run, and how that ended."""
+        self.begin_session(argv, seed=seed, threads=threads, inputs=inputs)
+        try:
+            yield
+        except BaseException as trouble:
+            stopped = isinstance(trouble, StageReachedError)
+            interrupted = isinstance(trouble, KeyboardInterrupt)
+            with suppress(StorageError):
+                self.end_session(
+                    "stopped" if stopped else "interrupted" if interrupted else "failed"
+                )
+            raise
+        self.end_session("finished")
+
     def provenance(self) -> dict[str, Any]:
         """The content of `provenance.json`, empty where there is none."""
         return self._read_json("provenance.json") or {}
@@ -143,16 +178,27 @@ class RunStore:
         write_handoff(self._stage_path(stage), result, cost)
         self.checkpoint(stage).discard()
 
-    def load_stage(
-        self, stage: str, kind: type[HandOff]
-    ) -> tuple[HandOff, dict[str, float]] | None:
-        """What `stage` handed on, and its cost; None where it has not finished or is damaged."""
-        path = self._stage_path(stage)
-        try:
-            result, note = read_handoff(path)
+    def load_stage(self, stage: str, kind: type[HandOff]) -> HandOff | None:
+        """What `stage` handed on; None where it has not finished or its file is damaged."""
+
+        def read(path: Path) -> HandOff:
+            result, _ = read_handoff(path)
             if not isinstance(result, kind):
                 raise DamagedFileError(f"{path} holds a {type(result).__name__}")
-            return result, {name: float(value) for name, value in note.items()}
+            return result
+
+        return self._read_stage(stage, read)
+
+    def stage_cost(self, stage: str) -> dict[str, float] | None:
+        """What `stage` cost; None where it has not finished or its file is damaged."""
+        return self._read_stage(
+            stage, lambda path: {name: float(text) for name, text in read_note(path).items()}
+        )
+
+    def _read_stage(self, stage: str, read: Callable[[Path], Found]) -> Found | None:
+        path = self._stage_path(stage)
+        try:
+            return read(path)
         except FileNotFoundError:
             return None
         except (DamagedFileError, ValueError) as trouble:

@@ -1,0 +1,205 @@
+"""The paper's chain, from the labelled limb to the blood (Chong et al. 2017, section 2)."""
+
+from __future__ import annotations
+
+import ctypes
+import difflib
+import os
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vulnus import anatomy, circulation, coupling, hemorrhage, imaging, injury, visualization
+from vulnus.core.checkpoint import Checkpoint
+from vulnus.core.errors import ScenarioError, StorageError
+from vulnus.core.handoff import (
+    BleedOutcome,
+    BleedWaveforms,
+    InjuredLimb,
+    LabelVolume,
+    LimbModel,
+)
+from vulnus.core.progress import Progress, SilentProgress
+from vulnus.scenario import Scenario, differences
+from vulnus.storage import RunStore, StageBook, StageReachedError, summarise
+
+STAGES = ("imaging", "anatomy", "injury", "circulation", "hemorrhage", "visualization")
+"""The stages in their order; the coupling of tree and blood belongs to hemorrhage."""
+
+Say = Callable[[str], None]
+
+
+def run_scenario(
+    scenario: Scenario,
+    store: RunStore,
+    progress: Progress | None = None,
+    *,
+    until: str | None = None,
+    say: Say = lambda _: None,
+) -> Mapping[str, Any]:
+    """Run what `store` does not hold yet, up to the stage `until`; the content of `summary.json`.
+
+    `say` receives what happens, one sentence at a time.
+    """
+    check_stage(until)
+    refuse_another_scenario(scenario, store)
+    if store.is_finished():
+        say("this run is finished: nothing is left to do (vulnus render draws it again)")
+        return store.read_summary()
+    use_threads(scenario.threads)
+    book = StageBook(store, say, until)
+    try:
+        with store.session(
+            sys.argv, seed=scenario.seed, threads=scenario.threads, inputs=scenario.inputs
+        ):
+            _follow_the_paper(scenario, store, book, progress or SilentProgress(), say)
+    except StageReachedError:
+        say(f"stopped after {until}, as asked; --resume goes on")
+    return store.read_summary()
+
+
+def _follow_the_paper(
+    scenario: Scenario, store: RunStore, book: StageBook, progress: Progress, say: Say
+) -> None:
+    """Section 2: anatomy from images (2.1), the injury (2.2), the bleeding (2.3)."""
+    labels = book.stage("imaging", LabelVolume, lambda _: imaging.load_labels(scenario.imaging))
+    limb = book.stage(
+        "anatomy",
+        LimbModel,
+        lambda _: anatomy.build_limb(labels(), scenario.anatomy, progress),
+    )
+    wound = book.stage(
+        "injury",
+        InjuredLimb,
+        lambda kept: injury.shoot(
+            limb(),
+            scenario.injury,
+            on_frame=store.save_injury,
+            checkpoint=kept,
+            progress=progress,
+        ),
+    )
+    store.write_summary(summarise(wound(), None, book.cost))
+    book.stage("circulation", BleedWaveforms, lambda _: _solve_tree(scenario, wound()))
+    bleeding = None
+    if wound().injuries:
+        say(_describe_cut(wound()))
+        bleeding = book.stage(
+            "hemorrhage",
+            BleedOutcome,
+            lambda kept: _bleed(scenario, store, wound(), kept, progress),
+        )()
+    else:
+        say("the projectile cut no artery: nothing bleeds")
+        book.skip("hemorrhage")
+    store.write_waveforms(bleeding.waveforms if bleeding else None)
+    store.write_ledger(bleeding.ledger if bleeding else None)
+    store.write_summary(summarise(wound(), bleeding, book.cost))
+    book.stage(
+        "visualization", tuple, lambda _: _draw(scenario, store, wound(), bleeding, progress)
+    )
+    store.write_summary(summarise(wound(), bleeding, book.cost))
+
+
+def draw_again(
+    scenario: Scenario, store: RunStore, progress: Progress | None = None
+) -> tuple[Path, ...]:
+    """Draw the pictures of the run in `store` again; the files."""
+    wound = store.load_stage("injury", InjuredLimb)
+    if wound is None:
+        raise StorageError(
+            str(store.path),
+            "the run has no finished injury to draw",
+            f"Go on with it first: vulnus run -o {store.path} --resume",
+        )
+    use_threads(scenario.threads)
+    bleeding = store.load_stage("hemorrhage", BleedOutcome)
+    return _draw(scenario, store, wound, bleeding, progress or SilentProgress())
+
+
+def check_stage(name: str | None) -> None:
+    """Raise `ScenarioError` unless `name` is a stage or None."""
+    if name is None or name in STAGES:
+        return
+    close = difflib.get_close_matches(name, STAGES, n=1, cutoff=0.5)
+    raise ScenarioError(
+        f"--until {name}",
+        "there is no such stage",
+        (f"Did you mean {close[0]}? " if close else "") + f"Stages: {', '.join(STAGES)}",
+    )
+
+
+def refuse_another_scenario(scenario: Scenario, store: RunStore) -> None:
+    """Raise `StorageError` where the run in `store` was begun with other numbers."""
+    if found := differences(store.scenario_text(), scenario.text):
+        raise StorageError(
+            str(store.path),
+            f"the run was begun with another scenario: {'; '.join(found)}",
+            "Choose another run directory with -o, or go on with the run's own scenario: "
+            f"vulnus run -o {store.path} --resume",
+        )
+
+
+def use_threads(count: int) -> None:
+    """Let the native loops of every stage use `count` threads; results do not depend on it."""
+    os.environ["OMP_NUM_THREADS"] = str(count)
+    try:
+        ctypes.CDLL("libgomp.so.1").omp_set_num_threads(count)
+    except OSError:
+        return  # another OpenMP library reads the variable
+
+
+def _solve_tree(scenario: Scenario, wound: InjuredLimb) -> BleedWaveforms:
+    """One heartbeat of the uninjured tree, or of the first beat of bleeding (Fig. 4)."""
+    if wound.injuries:
+        port = circulation.open_injury_port(scenario.circulation, wound.injuries[0], wound.side)
+        beat = port.bleed(scenario.coupling.initial_pressure)
+        return BleedWaveforms(
+            time=beat.time,
+            pressure_aorta=beat.pressure_aorta,
+            pressure_artery=beat.pressure_artery,
+            pressure_injury=beat.pressure_injury,
+            flow_injury=beat.flow_injury,
+        )
+    tree = circulation.build_tree(scenario.circulation, wound.side)
+    segment, position = tree.locate("anterior_tibial", arc_fraction=0.5)
+    nothing = np.zeros_like(tree.time)
+    return BleedWaveforms(
+        time=tree.time,
+        pressure_aorta=tree.pressure_aorta(),
+        pressure_artery=tree.pressure(segment, position),
+        pressure_injury=nothing,
+        flow_injury=nothing,
+    )
+
+
+def _bleed(
+    scenario: Scenario,
+    store: RunStore,
+    wound: InjuredLimb,
+    kept: Checkpoint,
+    progress: Progress,
+) -> BleedOutcome:
+    port = circulation.open_injury_port(scenario.circulation, wound.injuries[0], wound.side)
+    blood = hemorrhage.prepare(wound, scenario.hemorrhage, progress)
+    return coupling.bleed_out(
+        port,
+        blood,
+        scenario.coupling,
+        on_frame=store.save_bleed,
+        checkpoint=kept,
+        progress=progress,
+    )
+
+
+def _describe_cut(wound: InjuredLimb) -> str:
+    cut = wound.injuries[0]
+    others = ", ".join(other.artery for other in wound.injuries[1:])
+    return (
+        f"the {cut.artery.replace('_', ' ')} artery is cut, {1e3 * cut.gap:.0f} mm of it, at "
+        f"{100 * cut.arc_fraction:.0f} % of its length"
+        + (f"; also injured: {others}" if others else "")
+    )
