@@ -14,7 +14,7 @@ a load is a Norton source, Q2 = Y2 P2 + J2.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from vulnus.core.arrays import FloatArray
 from .arrays import ComplexArray
 from .levels import TreeLevels
 from .segments import SegmentTable
+from .womersley import HARMONICS_AT_A_TIME, LineConstants
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,18 +108,56 @@ def harmonic_admittances(
 
 
 def harmonic_pressures(
-    table: SegmentTable, levels: TreeLevels, transmission: ComplexArray, root: ComplexArray
+    table: SegmentTable, transmission: ComplexArray, root: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Pressure at the inlet and the outlet of every segment, (n, H), from the root's (H,)."""
     pressure_in = np.empty_like(transmission)
     pressure_out = np.empty_like(transmission)
     pressure_in[0] = root
+    levels = table.levels
     for k in range(len(levels.bounds) - 1):
         level = slice(levels.bounds[k], levels.bounds[k + 1])
         if k > 0:
             pressure_in[level] = pressure_out[table.parent_row[level]]
         np.multiply(pressure_in[level], transmission[level], out=pressure_out[level])
     return pressure_in, pressure_out
+
+
+class HarmonicWaves(NamedTuple):
+    """The harmonics 1..H of `NetworkState`, (n, H) each, and the pressure at the root, (H,)."""
+
+    root: ComplexArray
+    pressure_in: ComplexArray
+    pressure_out: ComplexArray
+    admittance_in: ComplexArray
+    admittance_load: ComplexArray
+
+
+def harmonic_waves(
+    table: SegmentTable,
+    lines: LineConstants,
+    terminal: ComplexArray,
+    drive: ComplexArray,
+    *,
+    source: Literal["pressure", "flow"],
+) -> HarmonicWaves:
+    """All waves of the tree driven by the harmonics (H,) of the pressure or flow at its root.
+
+    Goes through the harmonics in blocks that stay in the processor's cache.
+    """
+    blocks = []
+    for start in range(0, len(drive), HARMONICS_AT_A_TIME):
+        block = slice(start, start + HARMONICS_AT_A_TIME)
+        waves = WaveFactors.over(lines.propagation[:, block], table.length)
+        inlet, load, transmission = harmonic_admittances(
+            table.levels, waves, lines.impedance[:, block], terminal[:, block]
+        )
+        root = drive[block] / inlet[0] if source == "flow" else drive[block]
+        pressure_in, pressure_out = harmonic_pressures(table, transmission, root)
+        blocks.append(HarmonicWaves(root, pressure_in, pressure_out, inlet, load))
+    if len(blocks) == 1:
+        return blocks[0]
+    return HarmonicWaves(*(np.concatenate(part, axis=-1) for part in zip(*blocks, strict=True)))
 
 
 class SteadyLoads(NamedTuple):

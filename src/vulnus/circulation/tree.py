@@ -18,9 +18,7 @@ from .injury_branch import InjuryPort
 from .limb_arteries import locate_in_chain
 from .network import (
     NetworkState,
-    WaveFactors,
-    harmonic_admittances,
-    harmonic_pressures,
+    harmonic_waves,
     steady_loads,
     steady_state,
 )
@@ -114,33 +112,30 @@ class ArterialTree:
 
     @cached_property
     def _state(self) -> NetworkState:
-        levels = self.table.levels
-        waves = WaveFactors.over(self.lines.propagation, self.table.length)
-        terminal = terminal_admittance(self.table, self.angular_frequency, self.parameters)
-        inlet, load, transmission = harmonic_admittances(
-            levels, waves, self.lines.impedance, terminal
+        parameters, resistance = self.parameters, self.lines.resistance
+        drive = self._drive()
+        terminal = terminal_admittance(self.table, self.angular_frequency, parameters)
+        waves = harmonic_waves(
+            self.table, self.lines, terminal, drive[1:], source=parameters.source
         )
-        loads = steady_loads(self.table, self.lines.resistance, self.parameters.venous_pressure)
-        conductance, source = loads.conductance_in[0], float(loads.source_in[0])
-        root = self._root_pressure(np.append(conductance, inlet[0]), source)
-        pressure_in, pressure_out = harmonic_pressures(self.table, levels, transmission, root[1:])
+        loads = steady_loads(self.table, resistance, parameters.venous_pressure)
+        mean = float(drive[0].real)
+        if parameters.source == "flow":
+            mean = (mean - float(loads.source_in[0])) / float(loads.conductance_in[0])
         return NetworkState(
-            steady=steady_state(self.table, self.lines.resistance, loads, float(root[0].real)),
-            root=root,
-            pressure_in=pressure_in,
-            pressure_out=pressure_out,
-            admittance_in=inlet,
-            admittance_load=load,
+            steady=steady_state(self.table, resistance, loads, mean),
+            root=np.append(mean, waves.root),
+            pressure_in=waves.pressure_in,
+            pressure_out=waves.pressure_out,
+            admittance_in=waves.admittance_in,
+            admittance_load=waves.admittance_load,
         )
 
-    def _root_pressure(self, admittance: ComplexArray, source: float) -> ComplexArray:
-        """Spectrum of the pressure at the root: the signal's, or that which drives its flow."""
-        harmonics = self.parameters.harmonics
-        if self.parameters.source == "pressure":
-            return spectrum_of(self.signal.pressure, harmonics)
-        flow = spectrum_of(self.signal.flow, harmonics)
-        flow[0] -= source
-        return flow / admittance
+    def _drive(self) -> ComplexArray:
+        """Spectrum c_0..c_H of what the heart imposes at the root, a pressure or a flow."""
+        flows = self.parameters.source == "flow"
+        signal = self.signal.flow if flows else self.signal.pressure
+        return spectrum_of(signal, self.parameters.harmonics)
 
     def pressure_spectrum(self, segment: int, position: float) -> ComplexArray:
         """Fourier coefficients c_0..c_H of the pressure [Pa] at `position` [m] of a segment."""
@@ -250,14 +245,12 @@ class ArterialTree:
 
     def _source_equation(self, row: int, position: float) -> SourceEquation:
         """What the heart's side of the tree allows at `position` [m] of a row's segment."""
-        harmonics = self.parameters.harmonics
-        given, free = np.ones(harmonics + 1, dtype=complex), np.zeros(harmonics + 1, dtype=complex)
+        drive = self._drive()
+        given, free = np.ones_like(drive), np.zeros_like(drive)
         if self.parameters.source == "pressure":
-            pressure = spectrum_of(self.signal.pressure, harmonics)
-            equation = SourceEquation(a=given, b=free, c=pressure)
+            equation = SourceEquation(a=given, b=free, c=drive)
         else:
-            flow = spectrum_of(self.signal.flow, harmonics)
-            equation = SourceEquation(a=free, b=given, c=flow)
+            equation = SourceEquation(a=free, b=given, c=drive)
         path = self._path_from_root(row)
         for above, below in pairwise(path):
             equation = self._along(equation, above, float(self.table.length[above]))

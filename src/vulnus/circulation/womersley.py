@@ -23,6 +23,9 @@ from .arrays import ComplexArray
 from .parameters import CirculationParameters
 from .segments import SegmentTable
 
+HARMONICS_AT_A_TIME = 128
+"""Width of a block of harmonics: 91 segments of it stay in the processor's cache."""
+
 _I_TO_THREE_HALVES = complex(np.exp(0.75j * np.pi))
 _TABLE_INTERVALS = 8192
 _TABLE_ALPHA_MAX = 2000.0
@@ -117,18 +120,20 @@ def line_constants(
     density = parameters.density
     speed = wave_speed(segments, density=density, poisson_ratio=parameters.poisson_ratio)
     radius, row = np.unique(segments.radius, return_inverse=True)
-    alpha = womersley_number(
-        radius[:, np.newaxis],
-        angular_frequency[np.newaxis, :],
-        density=density,
-        viscosity=parameters.viscosity,
-    )
-    inverse_root = inverse_root_factor(alpha)
-    phase = parameters.wall_phase * (1.0 - np.exp(-2.0 * angular_frequency))
-    lag = np.exp(0.5j * phase)
-    area = np.pi * segments.radius**2
-    propagation = (inverse_root * (1j * angular_frequency / lag))[row] / speed[:, np.newaxis]
-    impedance = (inverse_root * lag)[row] * (density * speed / area)[:, np.newaxis]
+    propagation = np.empty((len(segments.ids), len(angular_frequency)), dtype=complex)
+    impedance = np.empty_like(propagation)
+    per_speed = 1.0 / speed[:, np.newaxis]
+    plain_impedance = (density * speed / (np.pi * segments.radius**2))[:, np.newaxis]
+    for start in range(0, len(angular_frequency), HARMONICS_AT_A_TIME):
+        block = slice(start, start + HARMONICS_AT_A_TIME)
+        omega = angular_frequency[block]
+        alpha = womersley_number(
+            radius[:, np.newaxis], omega, density=density, viscosity=parameters.viscosity
+        )
+        inverse_root = inverse_root_factor(alpha)
+        lag = np.exp(0.5j * parameters.wall_phase * (1.0 - np.exp(-2.0 * omega)))
+        np.multiply((inverse_root * (1j * omega / lag))[row], per_speed, out=propagation[:, block])
+        np.multiply((inverse_root * lag)[row], plain_impedance, out=impedance[:, block])
     resistance = poiseuille_resistance(segments.length, segments.radius, parameters.viscosity)
     return LineConstants(propagation, impedance, resistance)
 
