@@ -105,15 +105,20 @@ def all_keys(config: type[Section], path: str = "") -> Iterator[str]:
 
 
 def nearest_key(key: str, known: Sequence[str]) -> str:
-    """Advice that names the known key nearest to `key`: of the same table first, then of any."""
+    """Advice that names the known key nearest to `key`.
+
+    The same name in another table comes first, then the nearest of the same table, then of any.
+    """
     table, _, name = key.rpartition(".")
+    by_name: dict[str, str] = {}
+    for other in sorted(known, key=lambda other: not other.startswith(table)):
+        by_name.setdefault(other.rpartition(".")[2], other)
+    if name in by_name:
+        return f"Did you mean {by_name[name]}?"
     siblings = [k for k in known if k.rpartition(".")[0] == table]
     close = difflib.get_close_matches(key, siblings, n=1, cutoff=0.6)
     if not close:
-        names: dict[str, str] = {}
-        for other in known:
-            names.setdefault(other.rpartition(".")[2], other)
-        close = [names[n] for n in difflib.get_close_matches(name, names, n=1, cutoff=0.6)]
+        close = [by_name[n] for n in difflib.get_close_matches(name, by_name, n=1, cutoff=0.6)]
     if not close:
         close = difflib.get_close_matches(key, known, n=1, cutoff=0.0)
     return f"Did you mean {close[0]}?" if close else "Remove it"

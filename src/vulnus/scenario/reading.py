@@ -86,9 +86,10 @@ def _parse(text: str, file: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as trouble:
+        end = f"at line {len(text.splitlines())}, the end of the file"
         raise ScenarioError(
             file,
-            f"it is not valid TOML: {trouble}",
+            f"it is not valid TOML: {trouble}".replace("at end of document", end),
             "Correct that line; text stands in quotes, tables in [brackets]",
         ) from None
     except (ValueError, RecursionError) as trouble:

@@ -105,7 +105,7 @@ def frame_as_vtkhdf(frame: ParticleFrame) -> bytes:
         for kind in _CELL_KINDS:
             _write_cells(root.create_group(kind), count if kind == "Vertices" else 0)
         data = root.create_group("PointData")
-        for name, values in frame.point_data.items():
+        for name, values in sorted(frame.point_data.items()):
             data[name] = np.ascontiguousarray(values)
         fields = root.create_group("FieldData")
         fields["TimeValue"] = np.array([frame.time], dtype=np.float64)

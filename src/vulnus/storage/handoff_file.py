@@ -151,7 +151,7 @@ def _decode_dataclass(group: Any) -> Any:
 
 
 _DECODERS: Mapping[str, Callable[[Any], Any]] = {
-    "array": lambda group: group["array"][()],
+    "array": lambda group: np.asarray(group["array"][()]),
     "tuple": _decode_tuple,
     "mapping": _decode_mapping,
     "dataclass": _decode_dataclass,

@@ -65,8 +65,7 @@ class RunStore:
         A directory that holds something finished is only touched with `resume`.
         """
         _make_directory(path)
-        if not resume:
-            _refuse_what_is_there(path)
+        _refuse_what_is_there(path, resume=resume)
         store = cls(path, checkpoint_interval)
         if not store.has_scenario():
             store.write_scenario(scenario)
@@ -277,8 +276,8 @@ def _make_directory(path: Path) -> None:
         raise storage_error(path, trouble) from trouble
 
 
-def _refuse_what_is_there(path: Path) -> None:
-    """Raise unless `path` is empty or holds a run of which nothing was finished yet."""
+def _refuse_what_is_there(path: Path, *, resume: bool) -> None:
+    """Raise unless `path` is empty, or holds a run to resume or with nothing finished yet."""
     try:
         names = {item.name for item in path.iterdir()}
     except OSError as trouble:
@@ -290,6 +289,8 @@ def _refuse_what_is_there(path: Path) -> None:
                 "the directory is not empty and is not a run",
                 "Choose another run directory with -o",
             )
+        return
+    if resume:
         return
     if any((path / "checkpoints").glob("*.h5")) or "summary.json" in names:
         raise StorageError(
