@@ -147,12 +147,6 @@ NB_MODULE(_native, m) {
                   "low"_a, "high"_a)
       .def(
           "copy", [](const LevelSet& set) { return LevelSet(set); }, quietly)
-      .def(
-          "flow_step", [](LevelSet& set) { flow_step(set); }, quietly)
-      .def(
-          "redistance",
-          [](LevelSet& set, int steps, float courant) { redistance(set, steps, courant); },
-          "steps"_a, "courant"_a, quietly)
       .def("prune", &LevelSet::prune, quietly)
       .def(
           "offset",
@@ -195,6 +189,11 @@ NB_MODULE(_native, m) {
       .def_prop_ro("background", [](const LevelSet& set) { return set.background; })
       .def_prop_ro("block_count", &LevelSet::block_count)
       .def_prop_ro("memory_bytes", &LevelSet::memory_bytes);
+
+  nb::class_<BandFlow>(m, "BandFlow")
+      .def(nb::init<LevelSet&>(), "level_set"_a, nb::keep_alive<1, 2>())
+      .def("curvature_step", &BandFlow::curvature_step, quietly)
+      .def("redistance_step", &BandFlow::redistance_step, "courant"_a, quietly);
 
   nb::class_<PoissonDiskSampler>(m, "PoissonDiskSampler")
       .def(

@@ -16,119 +16,133 @@ struct Halo {
   float phi[kHalo][kHalo][kHalo];
 };
 
-// The block with one voxel of its 26 neighbours around it [voxels]; clamped where none is stored.
-void gather(const LevelSet& set, std::int64_t index, Halo& halo) {
-  const BlockCoordinate at = set.blocks[static_cast<std::size_t>(index)];
-  const float inverse = static_cast<float>(1.0 / set.voxel);
-  for (int bx = -1; bx <= 1; ++bx) {
-    for (int by = -1; by <= 1; ++by) {
-      for (int bz = -1; bz <= 1; ++bz) {
-        const std::int32_t found = set.map.find({at.x + bx, at.y + by, at.z + bz});
-        const float* values = set.block(found >= 0 ? found : index);
-        auto first = [](int b) { return b < 0 ? 0 : b == 0 ? 1 : kHalo - 1; };
-        auto last = [](int b) { return b < 0 ? 1 : b == 0 ? kHalo - 1 : kHalo; };
-        for (int x = first(bx); x < last(bx); ++x) {
-          for (int y = first(by); y < last(by); ++y) {
-            for (int z = first(bz); z < last(bz); ++z) {
-              const bool own = found < 0;
-              const int sx = own ? std::clamp(x - 1, 0, kSide - 1) : (x + kSide - 1) & 7;
-              const int sy = own ? std::clamp(y - 1, 0, kSide - 1) : (y + kSide - 1) & 7;
-              const int sz = own ? std::clamp(z - 1, 0, kSide - 1) : (z + kSide - 1) & 7;
-              halo.phi[x][y][z] = values[voxel_offset(sx, sy, sz)] * inverse;
-            }
-          }
-        }
+// Places of the halo that neighbour b (-1, 0, 1) fills along one axis.
+constexpr int first_place(int b) { return b < 0 ? 0 : b == 0 ? 1 : kHalo - 1; }
+constexpr int last_place(int b) { return b < 0 ? 1 : b == 0 ? kHalo - 1 : kHalo; }
+
+// The neighbour's voxel at a place of the halo, or the block's own nearest one.
+constexpr int voxel_at(int place, bool own) {
+  return own ? std::clamp(place - 1, 0, kSide - 1) : (place + kSide - 1) & 7;
+}
+
+void copy_part(const float* values, bool own, int bx, int by, int bz, float scale, Halo& halo) {
+  for (int x = first_place(bx); x < last_place(bx); ++x) {
+    for (int y = first_place(by); y < last_place(by); ++y) {
+      const float* row = values + voxel_offset(voxel_at(x, own), voxel_at(y, own), 0);
+      if (bz == 0) {
+        for (int z = 0; z < kSide; ++z) halo.phi[x][y][z + 1] = row[z] * scale;
+      } else {
+        const int place = first_place(bz);
+        halo.phi[x][y][place] = row[voxel_at(place, own)] * scale;
       }
     }
   }
 }
 
+// The block with one voxel of its 26 neighbours around it [voxels]; clamped where none is stored.
+void gather(const LevelSet& set, std::int64_t index, const std::array<std::int32_t, 27>& neighbours,
+            Halo& halo) {
+  const float scale = static_cast<float>(1.0 / set.voxel);
+  for (int n = 0; n < 27; ++n) {
+    const std::int32_t found = neighbours[static_cast<std::size_t>(n)];
+    const bool own = found < 0;
+    copy_part(set.block(own ? index : found), own, n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1, scale,
+              halo);
+  }
+}
+
+constexpr int kX = kHalo * kHalo, kY = kHalo, kZ = 1;  // steps to the neighbours in a halo
+
 // Mean curvature (k1 + k2)/2 times |grad phi| by central differences, in voxels.
-VULNUS_HD float curvature_speed(const Halo& h, int x, int y, int z) {
-  const float c = h.phi[x][y][z];
-  const float dx = 0.5f * (h.phi[x + 1][y][z] - h.phi[x - 1][y][z]);
-  const float dy = 0.5f * (h.phi[x][y + 1][z] - h.phi[x][y - 1][z]);
-  const float dz = 0.5f * (h.phi[x][y][z + 1] - h.phi[x][y][z - 1]);
-  const float dxx = h.phi[x + 1][y][z] - 2.0f * c + h.phi[x - 1][y][z];
-  const float dyy = h.phi[x][y + 1][z] - 2.0f * c + h.phi[x][y - 1][z];
-  const float dzz = h.phi[x][y][z + 1] - 2.0f * c + h.phi[x][y][z - 1];
-  const float dxy = 0.25f * (h.phi[x + 1][y + 1][z] - h.phi[x + 1][y - 1][z] -
-                             h.phi[x - 1][y + 1][z] + h.phi[x - 1][y - 1][z]);
-  const float dxz = 0.25f * (h.phi[x + 1][y][z + 1] - h.phi[x + 1][y][z - 1] -
-                             h.phi[x - 1][y][z + 1] + h.phi[x - 1][y][z - 1]);
-  const float dyz = 0.25f * (h.phi[x][y + 1][z + 1] - h.phi[x][y + 1][z - 1] -
-                             h.phi[x][y - 1][z + 1] + h.phi[x][y - 1][z - 1]);
+VULNUS_HD float curvature_speed(const float* p) {
+  const float dx = 0.5f * (p[kX] - p[-kX]);
+  const float dy = 0.5f * (p[kY] - p[-kY]);
+  const float dz = 0.5f * (p[kZ] - p[-kZ]);
+  const float dxx = p[kX] - 2.0f * p[0] + p[-kX];
+  const float dyy = p[kY] - 2.0f * p[0] + p[-kY];
+  const float dzz = p[kZ] - 2.0f * p[0] + p[-kZ];
+  const float dxy = 0.25f * (p[kX + kY] - p[kX - kY] - p[kY - kX] + p[-kX - kY]);
+  const float dxz = 0.25f * (p[kX + kZ] - p[kX - kZ] - p[kZ - kX] + p[-kX - kZ]);
+  const float dyz = 0.25f * (p[kY + kZ] - p[kY - kZ] - p[kZ - kY] + p[-kY - kZ]);
   const float square = dx * dx + dy * dy + dz * dz;
   const float numerator = dx * dx * (dyy + dzz)    //
                           + dy * dy * (dxx + dzz)  //
                           + dz * dz * (dxx + dyy)  //
                           - 2.0f * (dx * dy * dxy + dx * dz * dxz + dy * dz * dyz);
   // Where phi is flat (the axis between two sheets) the normal, and so the curvature, is undefined.
-  return square > 1e-6f ? numerator / (2.0f * square) : 0.0f;
+  const float curved = square > 1e-6f ? numerator : 0.0f;
+  return curved / (2.0f * square + 1e-12f);
 }
 
-// |grad phi| of Godunov's upwind scheme for the sign of phi, in voxels.
-VULNUS_HD float godunov_slope(const Halo& h, int x, int y, int z) {
-  const float c = h.phi[x][y][z];
-  const float sign = c > 0.0f ? 1.0f : -1.0f;
-  auto axis = [sign](float backward, float forward) {
-    const float b = std::max(sign * backward, 0.0f);
-    const float f = std::max(-sign * forward, 0.0f);
-    return std::max(b * b, f * f);
-  };
-  const float x2 = axis(c - h.phi[x - 1][y][z], h.phi[x + 1][y][z] - c);
-  const float y2 = axis(c - h.phi[x][y - 1][z], h.phi[x][y + 1][z] - c);
-  const float z2 = axis(c - h.phi[x][y][z - 1], h.phi[x][y][z + 1] - c);
-  return std::sqrt(x2 + y2 + z2);
+// Godunov's upwind choice of the squared slope along one axis, away from the surface.
+VULNUS_HD float upwind_square(float sign, float backward, float forward) {
+  const float b = std::max(sign * backward, 0.0f);
+  const float f = std::max(-sign * forward, 0.0f);
+  return std::max(b * b, f * f);
 }
 
-// New values from old ones, a block at a time; `law(halo, x, y, z, block, offset)` in voxels.
-template <typename Law>
-void update(LevelSet& set, Law&& law) {
-  std::vector<float> next(set.values.size());
-  const float band = static_cast<float>(set.background / set.voxel);
-  const float voxel = static_cast<float>(set.voxel);
-#pragma omp parallel for schedule(static)
-  for (std::int64_t index = 0; index < set.block_count(); ++index) {
-    Halo halo;
-    gather(set, index, halo);
-    float* out = next.data() + index * kBlock;
-    for (int x = 0; x < kSide; ++x) {
-      for (int y = 0; y < kSide; ++y) {
-        for (int z = 0; z < kSide; ++z) {
-          const int offset = voxel_offset(x, y, z);
-          const float old = halo.phi[x + 1][y + 1][z + 1];
-          const float moved = law(halo, x + 1, y + 1, z + 1, index, offset);
-          out[offset] = std::abs(old) >= band ? set.block(index)[offset]
-                                              : std::clamp(moved, -band, band) * voxel;
-        }
-      }
-    }
-  }
-  set.values.swap(next);
-}
-
-void godunov_step(LevelSet& set, float courant) {
-  update(set, [courant](const Halo& h, int x, int y, int z, std::int64_t, int) {
-    const float c = h.phi[x][y][z];
-    const float sign = c / std::sqrt(c * c + 1.0f);
-    return c - courant * sign * (godunov_slope(h, x, y, z) - 1.0f);
-  });
+// phi - courant * S(phi) (|grad phi| - 1), in voxels.
+VULNUS_HD float redistanced(const float* p, float courant) {
+  const float sign = p[0] > 0.0f ? 1.0f : -1.0f;
+  const float slope = std::sqrt(upwind_square(sign, p[0] - p[-kX], p[kX] - p[0]) +
+                                upwind_square(sign, p[0] - p[-kY], p[kY] - p[0]) +
+                                upwind_square(sign, p[0] - p[-kZ], p[kZ] - p[0]));
+  const float smooth_sign = p[0] / std::sqrt(p[0] * p[0] + 1.0f);
+  return p[0] - courant * smooth_sign * (slope - 1.0f);
 }
 
 }  // namespace
 
-void flow_step(LevelSet& set) {
-  const float* weights = set.weights.empty() ? nullptr : set.weights.data();
-  update(set, [weights](const Halo& h, int x, int y, int z, std::int64_t index, int offset) {
-    const float weight = weights ? weights[index * kBlock + offset] : 1.0f;
-    return h.phi[x][y][z] + weight * (1.0f / 3.0f) * curvature_speed(h, x, y, z);
-  });
-  godunov_step(set, 0.3f);
+BandFlow::BandFlow(LevelSet& set)
+    : set_(set), neighbours_(set.blocks.size()), next_(set.values.size()) {
+#pragma omp parallel for schedule(static)
+  for (std::int64_t b = 0; b < set.block_count(); ++b) {
+    const BlockCoordinate at = set.blocks[static_cast<std::size_t>(b)];
+    for (int n = 0; n < 27; ++n) {
+      neighbours_[static_cast<std::size_t>(b)][static_cast<std::size_t>(n)] =
+          set.map.find({at.x + n / 9 - 1, at.y + n / 3 % 3 - 1, at.z + n % 3 - 1});
+    }
+  }
 }
 
-void redistance(LevelSet& set, int steps, float courant) {
-  for (int step = 0; step < steps; ++step) godunov_step(set, courant);
+// New values from old ones; `law(row, weight, moved)` fills the eight voxels of a row, in voxels.
+template <typename Law>
+void BandFlow::update(Law&& law) {
+  const float band = static_cast<float>(set_.background / set_.voxel);
+  const float voxel = static_cast<float>(set_.voxel);
+  constexpr float full_weight[kSide] = {1, 1, 1, 1, 1, 1, 1, 1};
+#pragma omp parallel for schedule(static)
+  for (std::int64_t index = 0; index < set_.block_count(); ++index) {
+    Halo halo;
+    gather(set_, index, neighbours_[static_cast<std::size_t>(index)], halo);
+    for (int row = 0; row < kBlock; row += kSide) {
+      const float* here = &halo.phi[(row >> 6) + 1][(row >> 3 & 7) + 1][1];
+      const std::size_t place = static_cast<std::size_t>(index * kBlock + row);
+      float moved[kSide];
+      law(here, set_.weights.empty() ? full_weight : &set_.weights[place], moved);
+      for (int z = 0; z < kSide; ++z) {
+        const float kept = std::min(std::max(moved[z], -band), band) * voxel;
+        next_[place + static_cast<std::size_t>(z)] =
+            std::abs(here[z]) >= band ? here[z] * voxel : kept;
+      }
+    }
+  }
+  set_.values.swap(next_);
+}
+
+void BandFlow::curvature_step() {
+  update([](const float* row, const float* weight, float* moved) {
+    for (int z = 0; z < kSide; ++z) {
+      moved[z] = row[z] + weight[z] * (1.0f / 3.0f) * curvature_speed(row + z);
+    }
+  });
+  redistance_step(0.3f);
+}
+
+void BandFlow::redistance_step(float courant) {
+  update([courant](const float* row, const float*, float* moved) {
+    for (int z = 0; z < kSide; ++z) moved[z] = redistanced(row + z, courant);
+  });
 }
 
 }  // namespace vulnus::geometry

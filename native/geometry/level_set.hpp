@@ -6,6 +6,7 @@
 // -background on tiles marked inside.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -50,10 +51,25 @@ enum class Combination { kUnion, kIntersection, kDifference };
 
 LevelSet combine(const LevelSet& a, const LevelSet& b, Combination how);
 
-// One explicit step of mean curvature flow and one re-distance step (VISUALIZATION appendix).
-void flow_step(LevelSet& level_set);
+// Moves a level set over its fixed blocks; keeps the table of neighbours and the second array of
+// values between steps. The level set must outlive the flow.
+class BandFlow {
+ public:
+  explicit BandFlow(LevelSet& set);
 
-// `steps` Godunov steps towards |grad phi| = 1 with time step `courant` voxels.
-void redistance(LevelSet& level_set, int steps, float courant);
+  // One explicit step of mean curvature flow and one re-distance step (VISUALIZATION appendix).
+  void curvature_step();
+
+  // One Godunov step towards |grad phi| = 1 with a time step of `courant` voxels.
+  void redistance_step(float courant);
+
+ private:
+  template <typename Law>
+  void update(Law&& law);
+
+  LevelSet& set_;
+  std::vector<std::array<std::int32_t, 27>> neighbours_;
+  std::vector<float> next_;
+};
 
 }  // namespace vulnus::geometry

@@ -32,6 +32,17 @@ class RandomNumbers {
   std::uint64_t state_;
 };
 
+// Points around a place, relative to it, in vectors of eight; padded by points far away.
+struct Neighbourhood {
+  static constexpr int kLargest = 160;  // closest packing within 2.1 spacings holds fewer than 110
+  alignas(64) float x[kLargest], y[kLargest], z[kLargest];
+  int count = 0;
+
+  void clear();
+  void add(float px, float py, float pz);
+  bool conflicts(float px, float py, float pz, float square) const;
+};
+
 // Grows one set of points. The level set must outlive the sampler.
 class PoissonDiskSampler {
  public:
@@ -46,24 +57,32 @@ class PoissonDiskSampler {
   std::int64_t count() const { return static_cast<std::int64_t>(points_.size() / 3); }
 
  private:
-  struct Offset {
-    std::int8_t x, y, z;
+  static constexpr int kCellCapacity = 8;  // points a spacing apart in a cube of that edge
+  struct CellBlock {
+    std::array<std::uint8_t, kBlock> count{};
+    std::array<std::array<std::int32_t, kCellCapacity>, kBlock> point;
   };
+  using Position = std::array<float, 3>;
 
-  std::int32_t* cell(std::int64_t x, std::int64_t y, std::int64_t z, bool create);
-  bool is_free(const std::array<float, 3>& point, const std::array<std::int64_t, 3>& at) const;
-  bool accept(const std::array<float, 3>& point);
-  bool grow_from(std::int32_t parent);
+  std::int32_t& block_place(std::int64_t x, std::int64_t y, std::int64_t z) {
+    return table_[static_cast<std::size_t>(((x >> 3) * blocks_[1] + (y >> 3)) * blocks_[2] +
+                                           (z >> 3))];
+  }
+  std::int64_t cell_of(float coordinate, std::size_t axis) const;
+  bool in_box(const Position& point) const;
+  void gather(const Position& centre, double reach, Neighbourhood& around);
+  bool accept(const Position& point, const Position& centre, Neighbourhood& around);
+  void grow_from(std::int32_t parent);
   bool seed_next_block();
 
   const LevelSet& domain_;
-  double spacing_, spacing_square_, cell_size_;
+  double spacing_, cell_size_;
+  float square_;  // of the smallest distance, with a margin for rounding
   std::array<double, 3> low_, high_;
   std::array<std::int64_t, 3> blocks_;
   RandomNumbers random_;
-  std::vector<Offset> offsets_;      // cells that can hold a conflict, nearest first
   std::vector<std::int32_t> table_;  // block of cells -> place in `cells_`, or -1
-  std::vector<std::int32_t> cells_;  // point of a cell, or -1
+  std::vector<CellBlock> cells_;
   std::vector<std::int32_t> active_;
   std::vector<float> points_;
   std::int64_t next_block_ = 0;

@@ -169,8 +169,7 @@ class LevelSet:
         )
         # Anisotropic spacing leaves slopes other than 1 beside the surface; 4 steps of 0.5 voxel
         # straighten two voxels on each side of it, all that smoothing and meshing look at.
-        level_set._native.redistance(4, 0.5)
-        return level_set
+        return level_set.redistance(4, 0.5)
 
     @classmethod
     def from_function(
@@ -185,7 +184,9 @@ class LevelSet:
         _check_voxel(voxel)
         low = np.floor(np.asarray(bounds[0]) / voxel).astype(np.int64) - 1
         high = np.ceil(np.asarray(bounds[1]) / voxel).astype(np.int64) + 1
-        axes = [voxel * np.arange(a, b + 1) for a, b in zip(low, high, strict=True)]
+        axes = [
+            voxel * np.arange(a, b + 1, dtype=np.float64) for a, b in zip(low, high, strict=True)
+        ]
         plane = np.stack(np.meshgrid(axes[1], axes[2], indexing="ij"), axis=-1).reshape(-1, 2)
         distance = np.empty([len(axis) for axis in axes], dtype=np.float32)
         for i, x in enumerate(axes[0]):
@@ -193,7 +194,7 @@ class LevelSet:
             distance[i] = np.asarray(function(points)).reshape(distance.shape[1:])
         return cls.from_dense(
             distance,
-            origin=voxel * low,
+            origin=voxel * low.astype(np.float64),
             spacing=np.full(3, voxel),
             direction=np.eye(3),
             voxel=voxel,
@@ -238,14 +239,17 @@ class LevelSet:
         vanish; see `from_particles(keep_droplets=True)`.
         """
         native = self._native.copy()
+        flow = _native.BandFlow(native)
         for _ in range(iterations):
-            native.flow_step()
+            flow.curvature_step()
         return LevelSet(native)
 
     def redistance(self, steps: int = 5, courant: float = 0.3) -> LevelSet:
         """Straighten the slope to 1 by Godunov steps of `courant` voxels."""
         native = self._native.copy()
-        native.redistance(steps, courant)
+        flow = _native.BandFlow(native)
+        for _ in range(steps):
+            flow.redistance_step(courant)
         return LevelSet(native)
 
     def offset(self, distance: float) -> LevelSet:

@@ -71,7 +71,7 @@ def interpolate_to_vertices(
     count = min(neighbours, len(position))
     tree = cKDTree(np.asarray(position, dtype=np.float64))
     distance, nearest = tree.query(surface.vertices.astype(np.float64), k=count, workers=-1)
-    distance, nearest = distance.reshape(-1, count), nearest.reshape(-1, count)
+    distance, nearest = np.reshape(distance, (-1, count)), np.reshape(nearest, (-1, count))
     weight = np.maximum(1.0 - (distance / radius) ** 2, 0.0) ** 3
     alone = weight.sum(axis=1) == 0.0
     weight[alone, 0] = 1.0
