@@ -57,9 +57,14 @@ def test_handlers_are_as_before_behind_the_block() -> None:
 
 def test_a_signal_in_the_block_says_the_last_words() -> None:
     said: list[int] = []
-    with pytest.raises(KeyboardInterrupt), stopped_by_signals(said.append):
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(5)
+
+    def wait_for_the_signal() -> None:
+        with stopped_by_signals(said.append):
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(5)
+
+    with pytest.raises(KeyboardInterrupt):
+        wait_for_the_signal()
     assert said == [signal.SIGTERM]
 
 
