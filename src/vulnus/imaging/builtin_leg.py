@@ -6,7 +6,7 @@ patient's left, y posterior. The volume ends are plane cuts through the leg.
 
 from __future__ import annotations
 
-import math
+from dataclasses import fields
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from vulnus.core.units import MILLIMETRE
 from .leg_arteries import leg_arteries, paint_arteries
 from .leg_shape import HIGHEST_LEVEL, LOWEST_LEVEL, LegSection, LegShape
 from .leg_tables import muscle_tables
+from .measurements import measurement
 from .parameters import ImagingParameters
 
 _COMPARTMENTS = {
@@ -50,6 +51,13 @@ _GAPS = (3.0e-3, 6.0e-3)
 fat at the ankle, bellies fill the fascia above it."""
 
 _MARGIN = 3
+"""Voxels of air round the leg."""
+
+_VOXEL_LIMITS = (0.2e-3, 6.0e-3)
+"""Voxel sizes [m]; chosen: 4 GB of labels, and a tibia of four voxels."""
+
+_MEASUREMENT_LIMITS = (0.5, 1.8)
+"""What a measurement may be as a multiple of the table's; chosen: from a child to an obese man."""
 
 
 def generate_leg(parameters: ImagingParameters) -> LabelVolume:
@@ -61,7 +69,7 @@ def generate_leg(parameters: ImagingParameters) -> LabelVolume:
     shape = LegShape(parameters.leg)
     voxel = parameters.voxel
     bottom = shape.height(LOWEST_LEVEL)
-    count = math.floor((shape.height(HIGHEST_LEVEL) - bottom) / voxel + 1e-6)
+    count = round((shape.height(HIGHEST_LEVEL) - bottom) / voxel)
     heights = bottom + (np.arange(count) + 0.5) * voxel
     sections = [shape.section(height / parameters.leg.tibia_length) for height in heights]
     x, y = _grid(sections, voxel)
@@ -75,12 +83,22 @@ def generate_leg(parameters: ImagingParameters) -> LabelVolume:
 
 
 def _check(parameters: ImagingParameters) -> None:
-    if not 0.2e-3 <= parameters.voxel <= 6e-3:
+    low, high = (limit / MILLIMETRE for limit in _VOXEL_LIMITS)
+    if not _VOXEL_LIMITS[0] <= parameters.voxel <= _VOXEL_LIMITS[1]:
         raise InputFileError(
             "imaging.voxel_mm",
-            f"{parameters.voxel / MILLIMETRE:g} mm is outside 0.2 to 6 mm",
+            f"{parameters.voxel / MILLIMETRE:g} mm is outside {low:g} to {high:g} mm",
             "Give the built-in leg a voxel size in this range",
         )
+    for entry in fields(parameters.leg):
+        value, usual = getattr(parameters.leg, entry.name), measurement(entry.name)
+        if not _MEASUREMENT_LIMITS[0] * usual <= value <= _MEASUREMENT_LIMITS[1] * usual:
+            low, high = (limit * usual / MILLIMETRE for limit in _MEASUREMENT_LIMITS)
+            raise InputFileError(
+                f"imaging.leg.{entry.name}",
+                f"{value / MILLIMETRE:g} mm is outside {low:g} to {high:g} mm",
+                f"An average man's is {usual / MILLIMETRE:g} mm",
+            )
 
 
 def _grid(sections: list[LegSection], voxel: float) -> tuple[FloatArray, FloatArray]:

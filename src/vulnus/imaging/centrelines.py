@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from vulnus.core.arrays import FloatArray, LabelArray
+from vulnus.core.arrays import BoolArray, FloatArray, LabelArray
 from vulnus.core.errors import InputFileError
 from vulnus.core.handoff import ArteryCentreline, Tissue
 from vulnus.core.units import MILLIMETRE
@@ -183,13 +183,13 @@ def _clip(artery: ArteryCentreline, labels: LabelArray, grid: Grid) -> ArteryCen
 
 def _index(points: FloatArray, grid: Grid) -> FloatArray:
     """Fractional voxel indices (n, 3) of points [m]."""
-    index: FloatArray = np.linalg.solve(grid.direction * grid.spacing, (points - grid.origin).T).T
-    return index
+    index = np.linalg.solve(grid.direction * grid.spacing, (points - grid.origin).T).T
+    return np.asarray(index, dtype=np.float64)
 
 
-def _in_box(index: FloatArray, shape: tuple[int, ...]) -> np.ndarray:
-    inside: np.ndarray = ((index >= -0.5) & (index <= np.array(shape) - 0.5)).all(axis=1)
-    return inside
+def _in_box(index: FloatArray, shape: tuple[int, ...]) -> BoolArray:
+    inside = (index >= -0.5) & (index <= np.array(shape) - 0.5)
+    return np.asarray(inside.all(axis=1), dtype=np.bool_)
 
 
 def _check_in_limb(

@@ -18,7 +18,13 @@ PARENTS: dict[str, str | None] = {
     "fibular": "popliteal",
 }
 _STEP = 2.0e-3
+"""Distance of two points of a centre-line [m]; chosen: below an artery's diameter."""
+
 _CLEARANCE = 1.5e-3
+"""Least tissue between lumen and bone [m]; chosen: wall (0.5 mm) and sheath."""
+
+_ROUNDS = 4
+"""Times that a point is moved off both bones in turn; where they meet, two rounds are needed."""
 
 
 def leg_arteries(shape: LegShape) -> tuple[ArteryCentreline, ...]:
@@ -51,15 +57,18 @@ def _clear_of_bones(
     shape: LegShape, place: FloatArray, level: float, distance: float
 ) -> FloatArray:
     """Move a point of a section out of both bones' neighbourhood."""
-    for _ in range(4):
-        for name in ("tibia", "fibula"):
-            bone = shape.bone(name, level, shape.scale(level))
-            if bone is None:
-                continue
-            near = bone.offset(distance)
-            away, radius = near.radius_at(place[:1], place[1:])
+    scale = shape.scale(level)
+    bones = [shape.bone(name, level, scale) for name in ("tibia", "fibula")]
+    zones = [bone.offset(distance) for bone in bones if bone is not None]
+    for _ in range(_ROUNDS):
+        moved = False
+        for zone in zones:
+            away, radius = zone.radius_at(place[:1], place[1:])
             if away[0] < radius[0]:
-                place = near.centre + (place - near.centre) * (radius[0] / away[0])
+                place = zone.centre + (place - zone.centre) * (radius[0] / away[0])
+                moved = True
+        if not moved:
+            break
     return place
 
 
@@ -69,15 +78,21 @@ def paint_arteries(
     origin: FloatArray,
     voxel: float,
 ) -> None:
-    """Label the voxels whose centres lie in a lumen; bone, skin and air keep their labels."""
+    """Label the voxels whose centres lie in a lumen, and those that its centre-line passes.
+
+    So an artery stays in one piece where it is thinner than a voxel. Bone, skin and air keep
+    their labels.
+    """
     soft = np.isin(np.arange(256), [Tissue.MUSCLE, Tissue.FAT, Tissue.ARTERY])
     for artery in arteries:
         for point, radius in zip(*_dense(artery, 0.25 * voxel), strict=True):
-            low = np.maximum(np.ceil((point - radius - origin) / voxel).astype(int), 0)
-            high = np.floor((point + radius - origin) / voxel).astype(int) + 1
+            reach = max(float(radius), 0.5 * voxel)
+            low = np.maximum(np.ceil((point - reach - origin) / voxel).astype(int), 0)
+            high = np.floor((point + reach - origin) / voxel).astype(int) + 1
             block = labels[tuple(slice(a, b) for a, b in zip(low, high, strict=True))]
             index = np.indices(block.shape).reshape(3, -1).T + low
-            near = np.linalg.norm(origin + voxel * index - point, axis=1) < radius
+            offset = np.abs(origin + voxel * index - point)
+            near = (np.linalg.norm(offset, axis=1) < radius) | (offset <= 0.5 * voxel).all(axis=1)
             hit = near.reshape(block.shape) & soft[block]
             block[hit] = Tissue.ARTERY
 

@@ -65,10 +65,8 @@ class Contour:
         # A normal of a star-shaped curve is (r e_r - r' e_t) / |.|.
         out_radial = self.radius + distance * radial
         out_tangential = -distance * tangential
-        moved = np.unwrap(angle + np.arctan2(out_tangential, out_radial))
-        radius = np.hypot(out_radial, out_tangential)
-        order = np.argsort(moved)
-        new = np.interp(angle, moved[order], radius[order], period=2.0 * np.pi)
+        moved = angle + np.arctan2(out_tangential, out_radial)
+        new = np.interp(angle, moved, np.hypot(out_radial, out_tangential), period=2.0 * np.pi)
         return Contour(self.centre, new)
 
     def enclosing(self, other: Contour) -> Contour:
@@ -175,7 +173,9 @@ class LegShape:
             outer = self.bone(name, level, scale)
             if outer is not None:
                 inner = Contour(outer.centre, np.maximum(outer.offset(-wall).radius, 0.0))
-                bones.append(BoneSection(outer, inner, Contour(outer.centre, inner.radius * ratio.canal)))
+                bones.append(
+                    BoneSection(outer, inner, Contour(outer.centre, inner.radius * ratio.canal))
+                )
         return tuple(bones)
 
     def _solve_scale(self, level: float, girth: float) -> float:

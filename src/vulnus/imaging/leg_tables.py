@@ -45,16 +45,22 @@ class ContourTable:
     def at(self, level: float) -> tuple[FloatArray, FloatArray]:
         """Centre (2,) and radius (ANGLES,) [m] of the section; the ends are held."""
         row = self.spline(np.clip(level, self.lowest, self.highest))
-        radius = np.append(row[2:], row[2])
-        angle = np.linspace(0.0, 2.0 * np.pi, radius.size)
-        fine: FloatArray = CubicSpline(angle, radius, bc_type="periodic")(contour_angles())
-        return row[:2], np.maximum(fine, 0.0)
+        return row[:2], np.maximum(_ring(row.size - 2) @ row[2:], 0.0)
 
 
 def contour_angles() -> FloatArray:
     """The angles of a contour's points [rad], from lateral (+x) over posterior (+y)."""
     angles: FloatArray = np.arange(ANGLES, dtype=np.float64) * (2.0 * np.pi / ANGLES)
     return angles
+
+
+@cache
+def _ring(count: int) -> FloatArray:
+    """Matrix (ANGLES, count): the periodic cubic spline through `count` values round a circle."""
+    angle = np.linspace(0.0, 2.0 * np.pi, count + 1)
+    unit = np.vstack([np.eye(count), np.eye(count)[:1]])
+    matrix: FloatArray = CubicSpline(angle, unit, bc_type="periodic")(contour_angles())
+    return matrix
 
 
 @cache
@@ -120,10 +126,7 @@ def fat_spline() -> PchipInterpolator:
 def fat_ratio(level: float) -> FloatArray:
     """Fat round the section (ANGLES,), as a multiple of the calf's mean thickness."""
     sides = fat_spline()(np.clip(level, 0.0, 1.0))
-    angle = np.linspace(0.0, 2.0 * np.pi, sides.size + 1)
-    ring: FloatArray = CubicSpline(angle, np.append(sides, sides[0]), bc_type="periodic")(
-        contour_angles()
-    )
+    ring: FloatArray = _ring(sides.size) @ sides
     return ring
 
 
