@@ -100,13 +100,13 @@ VULNUS_HD Float16 square_root(Float16 a) {
 #ifdef __AVX512F__
   return reinterpret_cast<Float16>(_mm512_sqrt_ps(reinterpret_cast<__m512>(a)));
 #else
-  Float16 r;
+  Float16 r{};
   for (int i = 0; i < 16; ++i) r[i] = std::sqrt(a[i]);
   return r;
 #endif
 }
 VULNUS_HD Double8 square_root(Double8 a) {
-  Double8 r;
+  Double8 r{};
   for (int i = 0; i < 8; ++i) r[i] = std::sqrt(a[i]);
   return r;
 }
@@ -115,7 +115,7 @@ VULNUS_HD Double8 square_root(Double8 a) {
 VULNUS_HD float log_one_plus(float x) { return std::log1p(x); }
 VULNUS_HD double log_one_plus(double x) { return std::log1p(x); }
 VULNUS_HD Double8 log_one_plus(Double8 x) {
-  Double8 r;
+  Double8 r{};
   for (int i = 0; i < 8; ++i) r[i] = std::log1p(x[i]);
   return r;
 }
@@ -151,7 +151,7 @@ VULNUS_HD Float16 log_one_plus(Float16 x) {
 VULNUS_HD float logarithm(float x) { return std::log(x); }
 VULNUS_HD double logarithm(double x) { return std::log(x); }
 VULNUS_HD Double8 logarithm(Double8 x) {
-  Double8 r;
+  Double8 r{};
   for (int i = 0; i < 8; ++i) r[i] = std::log(x[i]);
   return r;
 }
@@ -160,7 +160,7 @@ VULNUS_HD Double8 logarithm(Double8 x) {
 VULNUS_HD float exp_minus_one(float x) { return std::expm1(x); }
 VULNUS_HD double exp_minus_one(double x) { return std::expm1(x); }
 VULNUS_HD Double8 exp_minus_one(Double8 x) {
-  Double8 r;
+  Double8 r{};
   for (int i = 0; i < 8; ++i) r[i] = std::expm1(x[i]);
   return r;
 }
@@ -194,7 +194,7 @@ VULNUS_HD Float16 look_up(const float* table, Int16 index) {
   return __builtin_shuffle(t, index);
 }
 VULNUS_HD Double8 look_up(const double* table, Int8 index) {
-  Double8 r;
+  Double8 r{};
   for (int i = 0; i < 8; ++i) r[i] = table[index[i]];
   return r;
 }

@@ -48,7 +48,7 @@ struct Bundle {
     point.plastic_strain = load(kPlasticStrain);
     point.opening = load(kOpening);
     volume = load(kVolume);
-    Integer index;
+    Integer index{};
     for (int i = 0; i < kWidth; ++i) index[i] = set.material[first + i];
     material = look_up_material(materials, index);
   }
@@ -91,7 +91,7 @@ VULNUS_HD void gather_rows(const T* tile, const Stencil<T>& s,
     for (int p = 0; p < 16; ++p) value[p] = gather_moments(tile, s, p);
     rows_to_lanes(value);
   } else {
-    typename LaneTraits<T>::Row row[LaneTraits<T>::kWidth];
+    typename LaneTraits<T>::Row row[LaneTraits<T>::kWidth] = {};
     for (int p = 0; p < LaneTraits<T>::kWidth; ++p) row[p] = gather_moments(tile, s, p);
     rows_to_lanes(row, value);
   }
@@ -104,7 +104,7 @@ VULNUS_HD void scatter_rows(T* tile, const Stencil<T>& s,
     lanes_to_rows(value);
     for (int p = 0; p < 16; ++p) scatter_affine(tile, s, p, value[p]);
   } else {
-    typename LaneTraits<T>::Row row[LaneTraits<T>::kWidth];
+    typename LaneTraits<T>::Row row[LaneTraits<T>::kWidth] = {};
     lanes_to_rows(value, row);
     for (int p = 0; p < LaneTraits<T>::kWidth; ++p) scatter_affine(tile, s, p, row[p]);
   }
@@ -114,7 +114,7 @@ VULNUS_HD void scatter_rows(T* tile, const Stencil<T>& s,
 template <class T>
 VULNUS_HD void gather_velocity(Bundle<T>& b, const T* tile, const Stencil<T>& s,
                                const PassNumbers<T>& n) {
-  typename LaneTraits<T>::Real value[16];
+  typename LaneTraits<T>::Real value[16] = {};
   gather_rows(tile, s, value);
   const T factor = T(4) * n.cells_per_metre;
   for (int i = 0; i < 3; ++i) {
@@ -147,9 +147,8 @@ VULNUS_HD void scatter_momentum(const Bundle<T>& b, T* tile, const Stencil<T>& s
   const Real impulse = b.volume * (T(-4) * n.next_dt * n.cells_per_metre);
   const auto& t = kirchhoff;
   const Real tau[3][3] = {{t.xx, t.xy, t.zx}, {t.xy, t.yy, t.yz}, {t.zx, t.yz, t.zz}};
-  Real value[16];
+  Real value[16] = {};
   value[0] = mass;
-  for (int j = 0; j < 3; ++j) value[4 + 4 * j] = Real{};
   for (int i = 0; i < 3; ++i) {
     value[1 + i] = mass * b.v[i];
     for (int j = 0; j < 3; ++j) {

@@ -1,0 +1,147 @@
+"""The projectile's straight line: where it enters and leaves the limb."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from vulnus.core.arrays import FloatArray, Vector3
+from vulnus.core.errors import AnatomyError, ProjectileError
+from vulnus.core.handoff import ArteryCentreline, LimbModel, ShotLine, TriangleSurface
+from vulnus.core.units import MILLIMETRE
+
+from .parameters import AimParameters, ProjectileParameters
+
+
+def aim(
+    limb: LimbModel, aim: AimParameters, projectile: ProjectileParameters | None = None
+) -> ShotLine:
+    """Line of flight through the skin surface of `limb`.
+
+    The line is endless: entry is its first crossing of the skin, exit its last, so that a limb with
+    a fold is crossed whole. Raises `ProjectileError` where it misses, with the distance.
+    """
+    projectile = projectile or ProjectileParameters()
+    for name, value in (("diameter", projectile.diameter), ("speed", projectile.speed)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ProjectileError(
+                f"injury.projectile.{name}",
+                f"is {value:g} in SI units, must be > 0",
+                "Give a positive number.",
+            )
+    skin = limb.surfaces.get("skin")
+    if skin is None or len(skin.triangles) == 0:
+        raise AnatomyError(
+            "limb", "has no skin surface to aim at", "Check that the label volume holds a limb."
+        )
+    point = aim_point(limb, aim)
+    direction = flight_direction(aim)
+    crossings = crossing_distances(skin, point, direction)
+    if len(crossings) < 2:
+        _refuse_miss(skin, point, direction, projectile.diameter)
+    return ShotLine(
+        entry_point=_vector(point + crossings[0] * direction),
+        exit_point=_vector(point + crossings[-1] * direction),
+        direction=_vector(direction),
+        diameter=projectile.diameter,
+        speed=projectile.speed,
+    )
+
+
+def flight_direction(aim: AimParameters) -> FloatArray:
+    """Unit vector of flight (3,): `direction`, or away from the side of azimuth and elevation."""
+    if aim.direction is None:
+        values: tuple[float, ...] = (aim.azimuth, aim.elevation)
+        flat = math.cos(aim.elevation)
+        vector = -np.array(
+            [
+                flat * math.sin(aim.azimuth),
+                -flat * math.cos(aim.azimuth),
+                math.sin(aim.elevation),
+            ]
+        )
+    else:
+        values = aim.direction
+        vector = np.array(aim.direction, dtype=np.float64)
+    length = float(np.linalg.norm(vector))
+    if not (all(map(math.isfinite, values)) and length > 0.0):
+        raise ProjectileError(
+            "injury.aim.direction", f"{values} has no direction", "Give a vector that is not zero."
+        )
+    return vector / length
+
+
+def aim_point(limb: LimbModel, aim: AimParameters) -> FloatArray:
+    """The point (3,) [m] that the line goes through: the target, or a point on an artery."""
+    if aim.target is not None:
+        if not all(map(math.isfinite, aim.target)):
+            raise ProjectileError("injury.aim.target", f"is {aim.target}", "Give finite numbers.")
+        return np.array(aim.target, dtype=np.float64)
+    names = [artery.name for artery in limb.arteries]
+    if aim.artery is None or aim.artery not in names:
+        known = ", ".join(names) or "none"
+        raise ProjectileError(
+            "injury.aim.artery",
+            f"{aim.artery!r} is not an artery of this limb ({known})",
+            "Name one of them or give target_mm.",
+        )
+    if not 0.0 <= aim.fraction <= 1.0:
+        raise ProjectileError(
+            "injury.aim.fraction", f"is {aim.fraction}, must be 0 to 1", "Correct the fraction."
+        )
+    return point_at_fraction(limb.arteries[names.index(aim.artery)], aim.fraction)
+
+
+def point_at_fraction(artery: ArteryCentreline, fraction: float) -> FloatArray:
+    """Point (3,) [m] at a fraction of the centre-line's length from its proximal end."""
+    points = np.asarray(artery.points, np.float64)
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    where = fraction * arc[-1]
+    return np.array([np.interp(where, arc, points[:, a]) for a in range(3)])
+
+
+def crossing_distances(
+    surface: TriangleSurface, point: FloatArray, direction: FloatArray
+) -> FloatArray:
+    """Signed distances [m] along the line, ascending, where it crosses the surface.
+
+    Möller & Trumbore 1997. An edge hit counts for both of its triangles; the first and the last
+    crossing are right all the same.
+    """
+    corner = np.asarray(surface.vertices, np.float64)[surface.triangles]
+    edge1 = corner[:, 1] - corner[:, 0]
+    edge2 = corner[:, 2] - corner[:, 0]
+    normal = np.cross(direction, edge2)
+    determinant = np.einsum("ij,ij->i", edge1, normal)
+    usable = np.abs(determinant) > 1e-30
+    inverse = np.where(usable, 1.0 / np.where(usable, determinant, 1.0), 0.0)
+    offset = point - corner[:, 0]
+    u = np.einsum("ij,ij->i", offset, normal) * inverse
+    across = np.cross(offset, edge1)
+    v = (across @ direction) * inverse
+    slack = 1e-9  # of an edge: a line through a shared edge must not slip between the triangles
+    hit = usable & (u >= -slack) & (v >= -slack) & (u + v <= 1.0 + slack)
+    distance: FloatArray = np.sort((np.einsum("ij,ij->i", edge2, across) * inverse)[hit])
+    return distance
+
+
+def _refuse_miss(
+    skin: TriangleSurface, point: FloatArray, direction: FloatArray, diameter: float
+) -> None:
+    offset = np.asarray(skin.vertices, np.float64) - point
+    along = offset @ direction
+    miss = float(np.min(np.linalg.norm(offset - along[:, None] * direction, axis=1)))
+    radius = 0.5 * diameter
+    how = "grazes the skin with its edge only: its centre passes" if miss < radius else "passes"
+    raise ProjectileError(
+        "injury.aim",
+        f"the projectile {how} {miss / MILLIMETRE:.1f} mm beside the limb "
+        f"(its radius is {radius / MILLIMETRE:.1f} mm)",
+        "Move target_mm into the limb, or turn azimuth_deg, elevation_deg or direction.",
+    )
+
+
+def _vector(values: FloatArray) -> Vector3:
+    x, y, z = (float(v) for v in values)
+    return x, y, z

@@ -1,0 +1,305 @@
+"""The material point solver as a Python object: bodies in, steps, fields out.
+
+solver = MpmSolver(materials=table, grid_spacing=0.002, lower=(-0.1,) * 3, upper=(0.1,) * 3)
+solver.set_particles(position, volume=volume, material=material)
+solver.advance(until=1e-3)
+solver.position, solver.damage
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from vulnus.core.arrays import AnyArray, FloatArray, LabelArray, Vector3
+from vulnus.core.checkpoint import CheckpointData
+from vulnus.core.errors import ScenarioError, StorageError, UnstableStepError
+
+from . import _native
+from .materials import damage_from_plastic_strain
+
+Precision = Literal["float32", "float64"]
+
+# Where a quantity stands among the native fields (particle_set.hpp).
+POSITION, VELOCITY, GRADIENT, STRAIN, PLASTIC_STRAIN, OPENING = 0, 3, 6, 15, 22, 23
+
+FAULTS = {
+    1: "a value that is not finite",
+    2: "an inverted particle",
+    4: "a particle that left the domain",
+    8: "a particle that moved more than a cell between two sorts",
+    16: "a time step that is too small",
+}
+ADVICE = "Try a smaller courant_number (0.3) or a finer grid_spacing."
+WALL_TIME_OF_A_CALL = 0.15  # [s]: Ctrl-C is answered between native calls
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigidSphere:
+    """A sphere that keeps its `velocity` [m/s]; `centre` [m] at time 0."""
+
+    centre: Vector3
+    velocity: Vector3
+    radius: float
+    friction: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeldEnds:
+    """Nodes whose coordinate along the unit vector `axis` is outside [lower, upper] [m] stand."""
+
+    axis: Vector3
+    lower: float
+    upper: float
+
+
+class MpmSolver:
+    """MLS-MPM/APIC with quadratic B-splines on a sparse grid; Equation: Chong2017 (1).
+
+    `materials` holds one row a material (`materials.material_table`); `lower` and `upper` [m] span
+    the box that no particle may leave. The result does not depend on the number of threads.
+    """
+
+    def __init__(
+        self,
+        *,
+        materials: FloatArray,
+        grid_spacing: float,
+        lower: Vector3,
+        upper: Vector3,
+        courant_number: float = 0.4,
+        gravity: Vector3 = (0.0, 0.0, 0.0),
+        sphere: RigidSphere | None = None,
+        held: HeldEnds | None = None,
+        largest_step: float = 1e30,
+        precision: Precision = "float32",
+    ) -> None:
+        _require_positive("grid_spacing", grid_spacing)
+        _require_positive("courant_number", courant_number)
+        self._origin = 0.5 * (np.array(lower) + np.array(upper))
+        self._materials = np.ascontiguousarray(materials, dtype=np.float64)
+        self.grid_spacing = grid_spacing
+        ball = sphere or RigidSphere(centre=(0, 0, 0), velocity=(0, 0, 0), radius=0.0)
+        ends = held or HeldEnds(axis=(0.0, 0.0, 1.0), lower=-1e30, upper=1e30)
+        shift = float(np.dot(ends.axis, self._origin))
+        kind = _native.Solver32 if precision == "float32" else _native.Solver64
+        self._native = kind(
+            materials=self._materials,
+            grid_spacing=grid_spacing,
+            courant_number=courant_number,
+            gravity=gravity,
+            domain_lower=_vector(lower - self._origin),
+            domain_upper=_vector(upper - self._origin),
+            held_axis=ends.axis,
+            held_below=ends.lower - shift,
+            held_above=ends.upper - shift,
+            largest_step=largest_step,
+            sphere_centre=_vector(ball.centre - self._origin),
+            sphere_velocity=ball.velocity,
+            sphere_radius=ball.radius,
+            sphere_friction=ball.friction,
+        )
+        self._material = np.zeros(0, np.uint8)
+        self._steps_per_call = 1
+
+    def set_particles(
+        self,
+        position: AnyArray,
+        *,
+        volume: AnyArray,
+        material: LabelArray,
+        velocity: AnyArray | None = None,
+    ) -> None:
+        """Put in the particles: `position` (n, 3) [m], `volume` (n,) [m³], `material` (n,) rows."""
+        local = np.ascontiguousarray(np.asarray(position, np.float64) - self._origin)
+        if velocity is None:
+            velocity = np.zeros_like(local)
+        self._material = np.ascontiguousarray(material, dtype=np.uint8)
+        if self._material.max(initial=0) >= len(self._materials):
+            raise ScenarioError(
+                "material",
+                f"row {self._material.max()} of a table of {len(self._materials)}",
+                "Give every particle a row of the material table.",
+            )
+        self._native.set_particles(
+            local,
+            np.ascontiguousarray(velocity, dtype=np.float64),
+            np.ascontiguousarray(volume, dtype=np.float64),
+            self._material,
+        )
+
+    def set_tracers(self, position: FloatArray) -> None:
+        """Put in massless points (n, 3) [m] that move with the material."""
+        self._native.set_tracers(np.ascontiguousarray(position - self._origin))
+
+    def advance(
+        self, until: float, *, on_call: Callable[[], None] | None = None, max_steps: int = 2**31
+    ) -> int:
+        """Step to the time `until` [s] (or `max_steps`); returns the number of steps.
+
+        `on_call` is called between native calls, a few times a second. Raises `UnstableStepError`.
+        """
+        done = 0
+        while self.time < until and done < max_steps:
+            done += self._call(min(self._steps_per_call, max_steps - done), until)
+            if on_call is not None:
+                on_call()
+        return done
+
+    def advance_epoch(self, until: float, *, on_call: Callable[[], None] | None = None) -> None:
+        """Step to the end of the epoch, at most 64 steps, or to `until` [s].
+
+        Only there can the state be saved. Where epochs end does not depend on the calls.
+        """
+        reported = clock.perf_counter()
+        self._call(1, until)
+        while not self.synchronized:
+            self._call(1, until)
+            if on_call is not None and clock.perf_counter() > reported + WALL_TIME_OF_A_CALL:
+                reported = clock.perf_counter()
+                on_call()
+        if on_call is not None:
+            on_call()
+
+    def _call(self, steps: int, until: float) -> int:
+        start = clock.perf_counter()
+        taken = self._native.advance(steps, until)
+        self._raise_fault()
+        wall = max(clock.perf_counter() - start, 1e-6)
+        wanted = int(taken * WALL_TIME_OF_A_CALL / wall)
+        self._steps_per_call = min(max(wanted, 1), 2 * self._steps_per_call)
+        return taken
+
+    def _raise_fault(self) -> None:
+        bits = self._native.fault_bits
+        if bits == 0:
+            return
+        particle = self._native.fault_particle
+        x, y, z = (float(c) for c in self.position[particle])
+        raise UnstableStepError.at(
+            "material point method",
+            " and ".join(text for bit, text in FAULTS.items() if bits & bit),
+            ADVICE,
+            time=self.time,
+            step=self.steps,
+            particle=particle,
+            position=(x, y, z),
+        )
+
+    @property
+    def synchronized(self) -> bool:
+        """Whether the particles hold the whole state (always after `advance` reached `until`)."""
+        return self._native.synchronized
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._native.time
+
+    @property
+    def steps(self) -> int:
+        """Steps taken so far."""
+        return self._native.steps
+
+    @property
+    def step_size(self) -> float:
+        """The newest time step [s]."""
+        return self._native.step_size
+
+    @property
+    def memory_bytes(self) -> int:
+        """Bytes that particles, grid and sorting hold."""
+        return self._native.memory_bytes
+
+    @property
+    def position(self) -> FloatArray:
+        """Positions (n, 3) [m] in the order of `set_particles`."""
+        local: FloatArray = np.asarray(self._native.values(POSITION, 3), np.float64)
+        local += self._origin
+        return local
+
+    @property
+    def velocity(self) -> AnyArray:
+        """Velocities (n, 3) [m/s]; of the end of the newest epoch."""
+        return self._native.values(VELOCITY, 3)
+
+    @property
+    def plastic_strain(self) -> AnyArray:
+        """Equivalent plastic strain (n,)."""
+        return self._native.values(PLASTIC_STRAIN, 1)[:, 0]
+
+    @property
+    def opening(self) -> AnyArray:
+        """Logarithmic volume strain (n,) of open voids and cracks."""
+        return self._native.values(OPENING, 1)[:, 0]
+
+    @property
+    def damage(self) -> FloatArray:
+        """Damage (n,), 0 intact to 1 without strength."""
+        return damage_from_plastic_strain(self._materials, self._material, self.plastic_strain)
+
+    @property
+    def tracers(self) -> tuple[FloatArray, FloatArray]:
+        """Tracer positions (n, 3) [m] and their smallest distance (n,) [m] to the sphere so far."""
+        state = self._native.tracer_state()
+        return state[:, :3] + self._origin, state[:, 3]
+
+    def totals(self, *, grid: bool = False) -> dict[str, float | Vector3]:
+        """Mass, momentum, angular momentum and kinetic energy of the particles or of the nodes."""
+        return self._native.totals(grid=grid)
+
+    def state(self) -> CheckpointData:
+        """Everything that a later `restore` needs to go on with the same bits."""
+        if not self.synchronized:
+            raise StorageError(
+                "material point state",
+                "asked for in the middle of an epoch",
+                "Save when synchronized.",
+            )
+        return {
+            "fields": self._native.state_fields(),
+            "id": self._native.state_id(),
+            "material": self._native.state_material(),
+            "tracers": self._native.tracer_state(),
+            "time": self._native.time,
+            "steps": self._native.steps,
+            "sound_speed": self._native.sound_speed,
+        }
+
+    def restore(self, state: CheckpointData) -> None:
+        """Go on from what `state` returned."""
+        fields, ids = np.asarray(state["fields"]), np.asarray(state["id"], np.int32)
+        if np.count_nonzero(ids >= 0) != len(self._material):
+            raise StorageError(
+                "injury checkpoint",
+                f"holds {np.count_nonzero(ids >= 0)} particles, the limb {len(self._material)}",
+                "Start the run anew without --resume.",
+            )
+        self._native.restore(
+            np.ascontiguousarray(fields),
+            np.ascontiguousarray(ids),
+            np.ascontiguousarray(state["material"], dtype=np.uint8),
+            np.ascontiguousarray(state["tracers"], dtype=np.float64),
+            float(state["time"]),
+            int(state["steps"]),
+            float(state["sound_speed"]),
+        )
+
+
+def set_threads(count: int) -> None:
+    """Use `count` threads in this process, 0 for all processors."""
+    _native.set_num_threads(count)
+
+
+def _vector(values: AnyArray) -> Vector3:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
+
+
+def _require_positive(name: str, value: float) -> None:
+    if not value > 0.0:
+        raise ScenarioError(name, f"is {value}, must be > 0", "Give a positive number.")
