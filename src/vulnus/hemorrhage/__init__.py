@@ -2,6 +2,19 @@
 
 from __future__ import annotations
 
+from .bleeding import BleedingSolver, BloodVolumes
+from .fluid import Fluid, FluidParameters
 from .parameters import HemorrhageParameters, PlatformParameters
+from .preparation import prepare
+from .scene import FluidScene
 
-__all__ = ["HemorrhageParameters", "PlatformParameters"]
+__all__ = [
+    "BleedingSolver",
+    "BloodVolumes",
+    "Fluid",
+    "FluidParameters",
+    "FluidScene",
+    "HemorrhageParameters",
+    "PlatformParameters",
+    "prepare",
+]

@@ -1,0 +1,121 @@
+// Weakly compressible SPH of blood: density -> pressure -> forces -> velocity with implicit drag ->
+// position (Chong 2017, eqs. 2-13, as corrected in PHYSICS 4.1b). Every sum gathers, none scatters,
+// so results do not depend on the number of threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/fault.hpp"
+#include "hemorrhage/cell_order.hpp"
+#include "hemorrhage/grid_field.hpp"
+#include "hemorrhage/neighbours.hpp"
+#include "hemorrhage/pair_sums.hpp"
+#include "hemorrhage/particles.hpp"
+#include "hemorrhage/smoothing_kernel.hpp"
+#include "hemorrhage/source.hpp"
+
+namespace vulnus::hemorrhage {
+
+struct FluidSettings {
+  double spacing = 1e-3, smoothing = 2e-3, sound_speed = 30, density = 1060, viscosity = 3.5e-3;
+  double courant = 0.25;
+  double fixed_step = 0;     // > 0: this step instead of the adaptive one
+  double dissipation = 3.0;  // Zhang 2017; 0: none
+  bool clamped = true, as_printed = false;
+  // Factors that make the discrete sums exact on the rest lattice; 1 in the paper's own form.
+  double density_scale = 1, gradient_scale = 1, laplacian_scale = 1, rest_density = 1060;
+};
+
+// Margin of candidate lists over h: a search is due when a particle has moved half of it. Chosen by
+// timing.
+inline constexpr double kSkin = 0.10;
+
+template <class Real>
+class WcsphSolver {
+ public:
+  using Kernels = MuellerKernels<Real>;
+
+  explicit WcsphSolver(const FluidSettings& settings);
+
+  // Scene.
+  FluidSettings settings;
+  std::array<double, 3> gravity{0, 0, 0};
+  Periodicity<Real> periodicity;
+  DistanceField<Real> barrier_distance, limb_distance;
+  Slab<Real> platform;
+  TissueField<Real> tissue;
+  ShellSource<Real> source;
+  std::array<double, 3> domain_lower{-1e3, -1e3, -1e3}, domain_upper{1e3, 1e3, 1e3};
+  int threads = 1;
+  void set_barrier(std::vector<Real> x, std::vector<Real> y, std::vector<Real> z);
+
+  // State, besides the particles' and the source's own.
+  Particles<Real> particles;
+  double time = 0, largest_speed = 0, largest_acceleration = 0;
+  std::int64_t steps = 0, particle_steps = 0, removed = 0, crossings = 0, pushed = 0, searches = 0;
+  bool stale = true;  // candidates must be searched before the next sum
+
+  FaultRecord fault;
+  std::int64_t fault_id = -1;
+  std::array<double, 3> fault_position{};
+
+  // Steps until `until` [s], at most `step_limit` steps and about `wall_limit` seconds of wall time
+  // (which decides only where a chunk ends, never what is computed). True when `until` is reached.
+  bool advance(double until, const FlowSeries& flow, std::int64_t step_limit, double wall_limit);
+
+  // Sums at the present positions, without a step: density, pressure, accelerations.
+  void evaluate();
+  // Rebuilds what is derived from kept arrays after they were restored.
+  void resume();
+
+  double next_step() const;
+  std::size_t memory_bytes();
+  double mean_neighbours() const;
+  const BarrierParticles<Real>& barrier() const { return barrier_; }
+
+ private:
+  struct Largest {
+    Real speed2 = 0, acceleration2 = 0, moved2 = 0;
+    std::int64_t crossings = 0, pushed = 0;
+  };
+
+  Real skin() const { return Real(kSkin * settings.smoothing); }
+  void weigh_barrier();
+  bool step(double dt, const FlowSeries& flow);
+  void search();
+  void order_particles();
+  void drop_strays();
+  void index_cells();
+  void sample_fields();
+  void sums(double dt, bool integrate);
+  void density_pass(const CellBatch& batch, CandidateBuffer<Real>& buffer);
+  void force_pass(const CellBatch& batch, CandidateBuffer<Real>& buffer);
+  void density_of(std::int32_t i, Real sum);
+  void acceleration_of(std::int32_t i, const PairForces<Real>& forces);
+  void integrate_range(std::size_t first, std::size_t last, Real dt, Largest& largest);
+  void keep_out_of_walls(std::size_t i, Largest& largest);
+  void push_out(std::size_t i, Real distance, const std::array<Real, 3>& normal, Largest& largest);
+  void fetch_blood(const CellBatch& batch, std::int32_t cell, CandidateBuffer<Real>& buffer,
+                   std::size_t n, bool with_motion) const;
+  void fetch_barrier(const CellBatch& batch, std::int32_t cell, CandidateBuffer<Real>& buffer,
+                     std::size_t offset, std::size_t n) const;
+  void merge(const std::vector<Largest>& parts);
+  void locate_fault();
+  int useful_threads() const;
+
+  Kernels kernels_;
+  BarrierParticles<Real> barrier_;
+  CellOrder<Real> order_, barrier_order_;
+  Neighbours<Real> neighbours_;
+  std::vector<std::uint64_t> keys_;
+  std::vector<std::int32_t> permutation_;
+  std::vector<CandidateBuffer<Real>> buffers_;
+  double largest_move_ = 0;
+};
+
+extern template class WcsphSolver<float>;
+extern template class WcsphSolver<double>;
+
+}  // namespace vulnus::hemorrhage
