@@ -184,30 +184,51 @@ void bind_state(nb::class_<WcsphSolver<Real>>& c) {
     return to_numpy(std::move(v), {n});
   };
   c.def_prop_ro("count", [](S& s) { return s.particles.size(); })
-      .def_prop_ro("position",
-                   [](S& s) { return interleave(s.particles.x, s.particles.y, s.particles.z); })
-      .def_prop_ro("velocity",
-                   [](S& s) { return interleave(s.particles.vx, s.particles.vy, s.particles.vz); })
-      .def_prop_ro("acceleration",
-                   [](S& s) { return interleave(s.particles.ax, s.particles.ay, s.particles.az); })
-      .def_prop_ro("density", [counted](S& s) { return counted(s.particles.density); })
-      .def_prop_ro("pressure", [counted](S& s) { return counted(s.particles.pressure); })
-      .def_prop_ro("weight", [counted](S& s) { return counted(s.particles.weight); })
-      .def_prop_ro("porosity", [counted](S& s) { return counted(s.particles.porosity); })
-      .def_prop_ro("drag_rate", [counted](S& s) { return counted(s.particles.drag); })
-      .def_prop_ro("id",
-                   [](S& s) {
-                     return to_numpy(std::vector<std::int32_t>(s.particles.id),
-                                     {s.particles.size()});
-                   })
-      .def_prop_ro("in_limb",
-                   [](S& s) {
-                     return to_numpy(std::vector<std::uint8_t>(s.particles.in_limb),
-                                     {s.particles.size()});
-                   })
-      .def_prop_ro("barrier_position",
-                   [](S& s) { return interleave(s.barrier().x, s.barrier().y, s.barrier().z); })
-      .def_prop_ro("barrier_weight", [counted](S& s) { return counted(s.barrier().weight); })
+      .def_prop_ro(
+          "position", [](S& s) { return interleave(s.particles.x, s.particles.y, s.particles.z); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "velocity",
+          [](S& s) { return interleave(s.particles.vx, s.particles.vy, s.particles.vz); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "acceleration",
+          [](S& s) { return interleave(s.particles.ax, s.particles.ay, s.particles.az); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "density", [counted](S& s) { return counted(s.particles.density); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "pressure", [counted](S& s) { return counted(s.particles.pressure); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "weight", [counted](S& s) { return counted(s.particles.weight); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "porosity", [counted](S& s) { return counted(s.particles.porosity); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "drag_rate", [counted](S& s) { return counted(s.particles.drag); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "id",
+          [](S& s) {
+            return to_numpy(std::vector<std::int32_t>(s.particles.id), {s.particles.size()});
+          },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "in_limb",
+          [](S& s) {
+            return to_numpy(std::vector<std::uint8_t>(s.particles.in_limb), {s.particles.size()});
+          },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "barrier_position",
+          [](S& s) { return interleave(s.barrier().x, s.barrier().y, s.barrier().z); },
+          nb::rv_policy::automatic)
+      .def_prop_ro(
+          "barrier_weight", [counted](S& s) { return counted(s.barrier().weight); },
+          nb::rv_policy::automatic)
       .def_prop_ro("memory_bytes", &S::memory_bytes)
       .def_prop_ro("next_step", &S::next_step)
       .def("kept_arrays", &kept_arrays<Real>)
