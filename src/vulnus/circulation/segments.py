@@ -37,7 +37,11 @@ _PERONEAL_THICKNESS = 0.39e-3  # [m]; 0.19 mm in the lower row is a misprint (ch
 
 
 class Segment(NamedTuple):
-    """One row of a table; SI. `parent` 0 is the root; `pair_member` "first" is the left one."""
+    """One row of a table; SI. `parent` 0 is the root; `pair_member` "first" is the left one.
+
+    A terminal has its total resistance; `proximal_resistance` (0: matched to the vessel) and
+    `bed_compliance` (nan: its share of the parameters' total) make it a given Windkessel.
+    """
 
     id: int
     name: str
@@ -49,6 +53,8 @@ class Segment(NamedTuple):
     quarter_wave_frequency: float
     pair_member: str
     terminal_resistance: float
+    proximal_resistance: float = 0.0
+    bed_compliance: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +63,8 @@ class SegmentTable:
 
     Arrays (n,): `ids`; `parent_row`, the row of the parent or -1; `depth`, 0 at the root; `length`,
     `radius`, `thickness` [m]; `youngs_modulus` [Pa]; `terminal_resistance` [Pa s/m³], infinite
-    where a segment branches. `names` are readable and unique ("left anterior tibial 2").
+    where a segment branches; `proximal_resistance` and `bed_compliance` [m³/Pa] as in `Segment`.
+    `names` are readable and unique ("left anterior tibial 2").
     """
 
     ids: IntArray
@@ -68,6 +75,8 @@ class SegmentTable:
     thickness: FloatArray
     youngs_modulus: FloatArray
     terminal_resistance: FloatArray
+    proximal_resistance: FloatArray
+    bed_compliance: FloatArray
     names: tuple[str, ...]
 
     @cached_property
@@ -153,6 +162,8 @@ def build_table(rows: list[Segment], *, subject: str) -> SegmentTable:
         thickness=np.array([row.thickness for row in order]),
         youngs_modulus=np.array([row.youngs_modulus for row in order]),
         terminal_resistance=np.array(resistance),
+        proximal_resistance=np.array([row.proximal_resistance for row in order]),
+        bed_compliance=np.array([row.bed_compliance for row in order]),
         names=tuple(names),
     )
 
@@ -304,4 +315,11 @@ def _check_terminals(rows: list[Segment], subject: str) -> None:
                 f"{subject}, segment {row.id} ({row.name})",
                 f"ends the tree with terminal resistance {resistance:g} Pa s/m³; must be positive",
                 "Give every end a resistance",
+            )
+        if not 0.0 <= row.proximal_resistance < max(resistance, np.finfo(float).tiny):
+            raise CirculationError(
+                f"{subject}, segment {row.id} ({row.name})",
+                f"proximal resistance {row.proximal_resistance:g} Pa s/m³ must be below the "
+                f"terminal's total, {resistance:g}",
+                "Give the total of both resistances",
             )

@@ -3,7 +3,7 @@
     Z = R1 + R2 / (1 + i ω R2 C),   R1 = min(ρ c0 / (π R²), 0.9 R_total),   R2 = R_total - R1
 
 R1 near the vessel's characteristic impedance lets fast waves leave without an echo; the total
-keeps the table's resistance to the mean flow.
+keeps the table's resistance to the mean flow. A table may give R1 and C of a terminal itself.
 """
 
 from __future__ import annotations
@@ -32,8 +32,12 @@ def terminal_admittance(
     ]
     matched = parameters.density * speed / (np.pi * table.radius[ends] ** 2)
     proximal = np.minimum(matched, _LARGEST_PROXIMAL_SHARE * total)
+    given = table.proximal_resistance[ends]
+    proximal = np.where(given > 0.0, given, proximal)
     peripheral = total - proximal
-    compliance = parameters.terminal_compliance / (total * np.sum(1.0 / total))
+    compliance = table.bed_compliance[ends]
+    shared = parameters.terminal_compliance / (total * np.sum(1.0 / total))
+    compliance = np.where(np.isnan(compliance), shared, compliance)
     lag = 1j * np.outer(peripheral * compliance, angular_frequency)
     bed = proximal[:, np.newaxis] + peripheral[:, np.newaxis] / (1.0 + lag)
     admittance[ends] = 1.0 / bed
