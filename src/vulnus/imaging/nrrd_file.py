@@ -29,6 +29,24 @@ _SPACES = {
 """Signs that turn a NRRD space into LPS."""
 
 _UNITS = {"mm": MILLIMETRE, "millimeter": MILLIMETRE, "cm": 1e-2, "m": 1.0, "um": 1e-6, "µm": 1e-6}
+_TYPES = {
+    spelling: kind
+    for kind, spellings in {
+        "i1": ("signed char", "int8", "int8_t"),
+        "u1": ("uchar", "unsigned char", "uint8", "uint8_t"),
+        "i2": ("short", "short int", "signed short", "signed short int", "int16", "int16_t"),
+        "u2": ("ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"),
+        "i4": ("int", "signed int", "int32", "int32_t"),
+        "u4": ("uint", "unsigned int", "uint32", "uint32_t"),
+        "i8": ("longlong", "long long", "long long int", "signed long long", "int64", "int64_t"),
+        "u8": ("ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"),
+        "f4": ("float",),
+        "f8": ("double",),
+    }.items()
+    for spelling in spellings
+}
+"""NumPy's kinds by the NRRD format's names (teem.sourceforge.net/nrrd/format.html)."""
+
 _EXPORT = "Export the volume again"
 _SIDES = "Save the volume in LPS or RAS: vulnus never guesses left and right"
 _CHUNK = 1 << 20
@@ -95,9 +113,7 @@ def _read_values(
 
 
 def _dtype(path: Path, header: Mapping[str, Any]) -> np.dtype[Any]:
-    import nrrd.reader
-
-    kind = nrrd.reader._TYPEMAP_NRRD2NUMPY.get(str(header["type"]))
+    kind = _TYPES.get(str(header["type"]).strip().lower())
     if kind is None:
         raise InputFileError(str(path), f"has voxels of type {header['type']!r}", _EXPORT)
     dtype: np.dtype[Any] = np.dtype(kind)
