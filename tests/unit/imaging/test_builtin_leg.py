@@ -214,3 +214,17 @@ def test_tables_cover_the_whole_leg():
         assert levels == sorted(levels)
         assert levels[0] == 0.0
         assert levels[-1] == 1.0
+
+
+@pytest.mark.parametrize("fraction", [0.25, 0.45, 0.6])
+def test_a_shot_from_antero_lateral_reaches_the_anterior_tibial_artery(leg, fraction):
+    """No bone stands before the artery on a horizontal line from 30-70 degrees lateral."""
+    artery = next(a for a in leg.arteries if a.name == "anterior_tibial")
+    target = artery.points[int(fraction * len(artery.points))]
+    for azimuth in np.radians([30.0, 50.0, 70.0]):
+        origin_side = np.array([np.sin(azimuth), -np.cos(azimuth), 0.0])
+        path = target + np.arange(0.0, 0.08, 5e-4)[:, None] * origin_side
+        met = labels_at(leg, path)
+        assert not np.isin(met, BONES).any()
+        assert met[0] == Tissue.ARTERY
+        assert Tissue.SKIN in met
