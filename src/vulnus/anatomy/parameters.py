@@ -14,12 +14,12 @@ class AnatomyParameters:
     million of them (design note on imaging, §1).
 
     `level_set_voxel` [m]: voxel of the outer, bone and muscle level sets; None = half the particle
-    spacing, but not less than half the smallest voxel of the labels and not more than a third of
-    the skin's thickness. Chosen because finer voxels than the labels carry no information.
+    spacing, within half the labels' smallest voxel (finer ones carry no information) and half the
+    skin's thickness (coarser ones do not resolve its shell).
 
-    `smoothing_iterations`: mean-curvature steps on the outer, bone, marrow and muscle surfaces. 5
-    as for the blood's surface in Chong2017 §2.3; at 0.75 mm they change the volumes by less than
-    0.1 % (design note on imaging, smoothing test).
+    `smoothing_iterations`: mean-curvature steps on the outer, bone and muscle surfaces. 5, as for
+    the blood's surface in Chong2017 §2.3; at 0.75 mm they change the volumes by less than 0.1 %
+    (design note on imaging, smoothing test).
 
     `skin_thickness` [m]: depth of the skin's shell under the smoothed outer surface. 2 mm, the
     thickness of the example legs; skin of the human leg measures 1.5-2.5 mm with its dermis.
