@@ -80,6 +80,7 @@ int MpmSolver<T>::advance(int max_steps, double stop_time) {
   int in_epoch = 0;
   while (done < max_steps && time_ < stop_time && fault_.bits() == kNoFault) {
     if (!grid_ready_) begin_epoch(stop_time);
+    if (fault_.bits() != kNoFault) break;
     const double speed = update_grid(step_);
     move_tracers(step_);
     const double dt = step_;

@@ -11,27 +11,100 @@ namespace vulnus::injury {
 namespace {
 
 template <class T>
-void cell_coordinates(const Bundle<T>& b, const BlockIndex& block, const PassNumbers<T>& n,
-                      typename LaneTraits<T>::Real (&cell)[3]) {
+VULNUS_HD void cell_coordinates(const Bundle<T>& b, const BlockIndex& block,
+                                const PassNumbers<T>& n, typename LaneTraits<T>::Real (&cell)[3]) {
   const T corner[3] = {T(block.x * kBlockEdge - 1), T(block.y * kBlockEdge - 1),
                        T(block.z * kBlockEdge - 1)};
   for (int a = 0; a < 3; ++a) cell[a] = b.x[a] * n.cells_per_metre - corner[a];
 }
 
-// Reports the particles of a bundle that are not finite, inverted or out of the domain.
 template <class T>
-void report(const Bundle<T>& b, typename LaneTraits<T>::Integer bad,
-            typename LaneTraits<T>::Integer inverted, const PassNumbers<T>& n, FaultRecord& fault) {
+VULNUS_HD typename LaneTraits<T>::Integer not_finite(typename LaneTraits<T>::Real value) {
+  constexpr T limit = T(1e30);
+  return ~((value < limit) & (value > -limit));
+}
+
+// What may be wrong with the lanes of a bundle; a mask each.
+template <class T>
+struct Trouble {
+  typename LaneTraits<T>::Integer bad{};
+  typename LaneTraits<T>::Integer inverted{};
+  typename LaneTraits<T>::Real stress{};
+};
+
+// Reports the particles of a bundle that are not finite, inverted, out of the domain, or further
+// than a cell from where they were sorted.
+template <class T>
+[[gnu::cold, gnu::noinline]] void report(const Bundle<T>& b, const Trouble<T>& trouble,
+                                         const PassNumbers<T>& n, FaultRecord& fault) {
   for (int i = 0; i < Bundle<T>::kWidth; ++i) {
     const std::int32_t id = b.set.id[b.first + i];
-    if (id < 0 || !(bad[i] | inverted[i])) continue;
-    std::uint32_t bits = inverted[i] ? kInvertedElement : kNoFault;
+    if (id < 0 || !(trouble.bad[i] | trouble.inverted[i])) continue;
+    std::uint32_t bits = trouble.inverted[i] ? kInvertedElement : kNoFault;
+    bool finite = std::isfinite(trouble.stress[i]);
     for (int a = 0; a < 3; ++a) {
-      if (!std::isfinite(b.x[a][i]) || !std::isfinite(b.v[a][i])) bits |= kNotFinite;
+      finite = finite && std::isfinite(b.x[a][i]) && std::isfinite(b.v[a][i]);
       if (b.x[a][i] < n.lower[a] || b.x[a][i] > n.upper[a]) bits |= kLeftDomain;
     }
-    fault.raise(bits == kNoFault ? kNotFinite : bits, id);
+    if (!finite) bits |= kNotFinite;
+    fault.raise(bits == kNoFault ? kNeighbourOverflow : bits, id);
   }
+}
+
+// Trouble of a bundle that has moved: its place, its stress, and the volume of its step.
+template <class T>
+VULNUS_HD Trouble<T> trouble_of_step(const Bundle<T>& b, const Stencil<T>& stencil,
+                                     const Symmetric3<typename LaneTraits<T>::Real>& kirchhoff,
+                                     const PassNumbers<T>& n) {
+  Trouble<T> t;
+  t.stress = kirchhoff.xx + kirchhoff.yy + kirchhoff.zz;
+  t.bad = stencil.outside | not_finite<T>(t.stress);
+  Matrix3<typename LaneTraits<T>::Real> increment;
+  for (int i = 0; i < 3; ++i) {
+    t.bad |= ~((b.x[i] >= n.lower[i]) & (b.x[i] <= n.upper[i]));
+    for (int j = 0; j < 3; ++j) increment.m[i][j] = n.dt * b.c.m[i][j];
+  }
+  t.inverted = ~(determinant_of_step(increment) > T(0));
+  return t;
+}
+
+// Places the stencil of a bundle where its particles are now.
+template <class T>
+VULNUS_HD void place(const Bundle<T>& b, const BlockIndex& block, const PassNumbers<T>& n,
+                     Stencil<T>& stencil) {
+  typename LaneTraits<T>::Real cell[3];
+  cell_coordinates(b, block, n, cell);
+  place_stencil(cell, stencil);
+}
+
+// One bundle: gathers from `around` (unless this begins an epoch), deforms, scatters to `tile`
+// (unless this ends one). Returns the squared sound speeds.
+template <bool Gather, bool Scatter, class T>
+VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockIndex& block,
+                                                   const T* around, T* tile,
+                                                   const PassNumbers<T>& n, FaultRecord& fault) {
+  Stencil<T> stencil;
+  place(b, block, n, stencil);
+  StressUpdate<typename LaneTraits<T>::Real> stress{};
+  Trouble<T> trouble;
+  if constexpr (Gather) {
+    gather_velocity(b, around, stencil, n);
+    stress = deform(b, n);
+    b.store_point();
+    place(b, block, n, stencil);
+    trouble = trouble_of_step(b, stencil, stress.kirchhoff, n);
+  } else {
+    b.load_velocity();
+    stress.kirchhoff = elastic_kirchhoff(b.material, b.point.strain);
+    trouble.stress = stress.kirchhoff.xx + stress.kirchhoff.yy + stress.kirchhoff.zz;
+    trouble.bad = stencil.outside | not_finite<T>(trouble.stress + b.v[0] + b.v[1] + b.v[2]);
+  }
+  if (any(trouble.bad | trouble.inverted)) report(b, trouble, n, fault);
+  if constexpr (Scatter)
+    scatter_momentum(b, tile, stencil, stress.kirchhoff, n);
+  else
+    b.store_velocity();
+  return stress.sound_speed_squared;
 }
 
 }  // namespace
@@ -40,7 +113,6 @@ template <class T>
 template <bool Gather, bool Scatter>
 void MpmSolver<T>::particle_pass(double dt, double next_dt) {
   using Real = typename LaneTraits<T>::Real;
-  using Integer = typename LaneTraits<T>::Integer;
   PassNumbers<T> n{
       T(1 / settings_.grid_spacing), T(settings_.grid_spacing), T(dt), T(next_dt), {}, {}};
   for (int a = 0; a < 3; ++a) {
@@ -56,40 +128,12 @@ void MpmSolver<T>::particle_pass(double dt, double next_dt) {
 #pragma omp for schedule(dynamic, 4)
     for (int i = 0; i < grid_.occupied(); ++i) {
       if constexpr (Gather) grid_.load_tile(i, around.data());
-      T* tile = grid_.tile(i);
-      if constexpr (Scatter) std::memset(tile, 0, kTileValues * sizeof(T));
-      const BlockIndex block = grid_.block(i);
-      const int last = particles_.first_bundle(i + 1);
-      for (int bundle = particles_.first_bundle(i); bundle < last; ++bundle) {
-        Bundle<T> b(particles_, std::size_t(bundle) * Bundle<T>::kWidth, materials_);
-        Stencil<T> stencil;
-        Real cell[3];
-        cell_coordinates(b, block, n, cell);
-        place_stencil(cell, stencil);
-        Symmetric3<Real> kirchhoff;
-        if constexpr (Gather) {
-          gather_velocity(b, around.data(), stencil, n);
-          const auto stress = deform(b, n);
-          kirchhoff = stress.kirchhoff;
-          fastest_lane = maximum(fastest_lane, stress.sound_speed_squared);
-          b.store_point();
-          cell_coordinates(b, block, n, cell);
-          place_stencil(cell, stencil);
-          Integer bad = stencil.outside;
-          for (int a = 0; a < 3; ++a) bad |= ~((b.x[a] >= n.lower[a]) & (b.x[a] <= n.upper[a]));
-          Matrix3<Real> increment;
-          for (int r = 0; r < 9; ++r) increment.m[r / 3][r % 3] = n.dt * b.c.m[r / 3][r % 3];
-          const Integer inverted = ~(determinant_of_step(increment) > T(0));
-          if (any(bad | inverted)) report(b, bad, inverted, n, fault_);
-        } else {
-          b.load_velocity();
-          kirchhoff = elastic_kirchhoff(b.material, b.point.strain);
-          if (any(stencil.outside)) report(b, stencil.outside, Integer{}, n, fault_);
-        }
-        if constexpr (Scatter)
-          scatter_momentum(b, tile, stencil, kirchhoff, n);
-        else
-          b.store_velocity();
+      if constexpr (Scatter) std::memset(grid_.tile(i), 0, kTileValues * sizeof(T));
+      for (int k = particles_.first_bundle(i); k < particles_.first_bundle(i + 1); ++k) {
+        Bundle<T> b(particles_, std::size_t(k) * Bundle<T>::kWidth, materials_);
+        const Real speed = step_bundle<Gather, Scatter>(b, grid_.block(i), around.data(),
+                                                        grid_.tile(i), n, fault_);
+        fastest_lane = maximum(fastest_lane, speed);
       }
     }
     for (int lane = 0; lane < Bundle<T>::kWidth; ++lane)

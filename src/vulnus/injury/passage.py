@@ -196,7 +196,10 @@ def _run(
     start = clock.perf_counter()
     if solver.time == 0.0 and on_frame is not None:
         on_frame(_frame(limb, setup, 0))
+    begun = solver.time
     for index, until in _frame_times(parameters):
+        if until <= begun:  # written before the checkpoint that this run goes on from
+            continue
         while solver.time < until:
             solver.advance_epoch(until, on_call=report)
             if checkpoint.due() and solver.time < until:

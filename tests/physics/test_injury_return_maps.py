@@ -1,0 +1,200 @@
+"""Return maps of a single material point against closed forms (PHYSICS.md M5)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from vulnus.injury import _native
+from vulnus.injury.materials import Material, material_table, tissue_table
+
+pytestmark = pytest.mark.physics
+
+METAL = Material(density=8000.0, bulk_modulus=160e9, shear_modulus=80e9, yield_stress=300e6)
+ROCK = Material(
+    density=1900.0, bulk_modulus=14e9, shear_modulus=6.5e9, yield_stress=150e6, friction=0.6
+)
+GLASS = Material(density=2500.0, bulk_modulus=40e9, shear_modulus=30e9, tensile_strength=50e6)
+
+
+def voigt(matrix):
+    return matrix[..., [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]
+
+
+def tensor(v):
+    return v[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*v.shape[:-1], 3, 3)
+
+
+def spectral(matrix, law):
+    value, vector = np.linalg.eigh(matrix)
+    return np.einsum("...ia,...a,...ja->...ij", vector, law(value), vector)
+
+
+def apply(material, hencky, *, alpha=0.0, opening=0.0, rate=0.0, precision="64", dx=0.002):
+    """Return map on Hencky strains (n, 3, 3): Hencky strain, alpha, opening, stress after."""
+    table = material_table([material], dx) if isinstance(material, Material) else material
+    hencky = np.atleast_3d(hencky).reshape(-1, 3, 3)
+    n = len(hencky)
+    state = np.zeros((n, 8))
+    state[:, :6] = voigt(spectral(hencky, lambda e: np.expm1(2.0 * e)))
+    state[:, 6], state[:, 7] = alpha, opening
+    run = _native.return_map64 if precision == "64" else _native.return_map32
+    out = run(table, np.zeros(n, np.uint8), state, np.full(n, float(rate)))
+    after = spectral(tensor(out[:, :6]), lambda v: 0.5 * np.log1p(v))
+    return after, out[:, 6], out[:, 7], tensor(out[:, 8:])
+
+
+def test_uniaxial_strain_returns_to_the_von_mises_cylinder():
+    """q = 2 mu eps (1 - 0) before; after it q = Y and the pressure is K eps, closed form."""
+    strain = np.diag([0.01, 0.0, 0.0])
+    _, alpha, _, tau = apply(METAL, strain)
+    q_trial = 2.0 * 80e9 * 0.01  # sqrt(3/2) |2 mu dev| = 2 mu eps for uniaxial strain
+    pressure = 160e9 * 0.01
+    assert alpha[0] == pytest.approx((q_trial - 300e6) / (3.0 * 80e9), rel=1e-8)
+    expected = np.diag([200e6, -100e6, -100e6]) + pressure * np.eye(3)
+    assert np.allclose(tau[0], expected, rtol=1e-8, atol=1.0)
+
+
+def test_simple_shear_returns_along_the_shear():
+    """Pure shear Hencky strain g/2: tau_xy = Y/sqrt(3), alpha = (sqrt(3) mu g - Y)/(3 mu)."""
+    g = 0.02
+    _, alpha, _, tau = apply(METAL, np.array([[0, g / 2, 0], [g / 2, 0, 0], [0, 0, 0]]))
+    assert tau[0, 0, 1] == pytest.approx(300e6 / np.sqrt(3.0), rel=1e-8)
+    assert alpha[0] == pytest.approx((np.sqrt(3.0) * 80e9 * g - 300e6) / (3.0 * 80e9), rel=1e-8)
+
+
+def test_elastic_states_are_left_alone():
+    strain = np.diag([1e-4, -2e-4, 5e-5])
+    after, alpha, opening, tau = apply(METAL, strain)
+    trace = np.trace(strain)
+    expected = 2.0 * 80e9 * (strain - trace / 3.0 * np.eye(3)) + 160e9 * trace * np.eye(3)
+    assert np.allclose(tau[0], expected, rtol=1e-8, atol=1e-2)
+    assert np.allclose(after[0], strain, atol=1e-12)
+    assert alpha[0] == 0.0
+    assert opening[0] == 0.0
+
+
+def test_drucker_prager_strength_grows_with_pressure_and_ends_at_the_tip():
+    pressure_strain = np.array([-0.03, -0.003, 0.03])  # compression, light compression, tension
+    strain = np.array([np.diag([0.02, -0.02, 0.0]) + e / 3.0 * np.eye(3) for e in pressure_strain])
+    _, _, _, tau = apply(ROCK, strain)
+    pressure = -14e9 * pressure_strain
+    deviator = tau - np.trace(tau, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+    q = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
+    expected = np.maximum(150e6 + 0.6 * pressure, 0.0)
+    assert np.allclose(q, expected, rtol=1e-8, atol=10.0)  # the tip: q = 0, to 10 Pa of 2 mu
+    assert expected[2] == 0.0
+
+
+@pytest.mark.parametrize("strain", [(4e-3, 0, 0), (4e-3, 3.5e-3, -1e-3), (3e-3, 3e-3, 2.8e-3)])
+def test_rankine_cuts_every_principal_stress_at_the_tensile_strength(strain):
+    """One, two and three active principal stresses; the others follow elastically."""
+    after, _, opening, tau = apply(GLASS, np.diag(strain))
+    stress = np.linalg.eigvalsh(tau[0])
+    assert stress[-1] == pytest.approx(50e6, rel=1e-8)
+    lam, mu = 40e9 - 20e9, 30e9
+    expected = lam * np.trace(after[0]) + 2.0 * mu * np.linalg.eigvalsh(after[0])
+    assert np.allclose(stress, expected, rtol=1e-8)
+    assert opening[0] == pytest.approx(sum(strain) - np.trace(after[0]), rel=1e-8)
+
+
+def test_softening_spends_the_fracture_energy_on_any_cell():
+    """Crack band: sum of stress d(strain) times the cell is G_f = 3 kJ/m2, whatever the cell."""
+    for dx in (0.001, 0.002):
+        bone = Material(
+            density=1900.0, bulk_modulus=14.2e9, shear_modulus=6.54e9, tensile_strength=130e6,
+            fracture_energy=3e3, softening_stress=130e6, opening_damage=1.0,
+        )  # fmt: skip
+        lam = bone.bulk_modulus - 2.0 * bone.shear_modulus / 3.0
+        strain, alpha, opening, energy = np.zeros((3, 3)), 0.0, 0.0, 0.0
+        lateral = -lam / (2.0 * (lam + bone.shear_modulus))
+        increment = 1e-5
+        for _ in range(20000):
+            before = opening
+            strain = strain + np.diag([increment, lateral * increment, lateral * increment])
+            after, a, o, tau = apply(bone, strain, alpha=alpha, opening=opening, dx=dx)
+            strain, alpha, opening = after[0], a[0], o[0]
+            strain[1, 1] = strain[2, 2] = lateral * strain[0, 0]  # uniaxial stress
+            energy += tau[0, 0, 0] * (opening - before) * dx
+            if bone.damage_span(dx) <= alpha:
+                break
+        # The last step overshoots zero strength by half an increment of 1e-5 in 0.02.
+        assert energy == pytest.approx(3e3, rel=0.02)
+
+
+def test_tension_opens_voids_and_compression_closes_them_first():
+    """Cavitation: the pressure stays at -p_cav while opening grows; closing costs no pressure."""
+    water = Material(
+        density=1000.0,
+        bulk_modulus=2.2e9,
+        shear_modulus=1e3,
+        tait_exponent=7.0,
+        pressure_cutoff=1e5,
+    )
+    _, _, opening, tau = apply(water, 0.1 / 3.0 * np.eye(3))
+    cut = 1e5 / 2.2e9
+    assert opening[0] == pytest.approx(0.1 - cut, rel=1e-8)
+    assert np.trace(tau[0]) / 3.0 == pytest.approx(1e5, rel=1e-3)  # Tait at ln J = 4.5e-5
+    _, _, opening, tau = apply(water, -0.04 / 3.0 * np.eye(3), opening=0.1)
+    assert opening[0] == pytest.approx(0.06, rel=1e-8)
+    assert abs(np.trace(tau[0])) < 1e-3
+    _, _, opening, tau = apply(water, -0.12 / 3.0 * np.eye(3), opening=0.1)
+    jacobian = np.exp(-0.02)
+    assert opening[0] == pytest.approx(0.0, abs=1e-15)
+    expected = -jacobian * 2.2e9 / 7.0 * (jacobian**-7 - 1.0)
+    assert np.trace(tau[0]) / 3.0 == pytest.approx(expected, rel=1e-8)
+
+
+def test_the_rate_law_multiplies_the_yield_stress():
+    """Y = Y0 [1 + (rate / 300)^0.36]: 1.03 MPa at 4e4 /s, from 0.15 MPa (PHYSICS.md 1.2)."""
+    table = tissue_table(0.002)[2:3]  # muscle
+    _, _, _, tau = apply(table, np.diag([0.3, -0.3, 0.0]), rate=4e4)
+    deviator = tau[0] - np.trace(tau[0]) / 3.0 * np.eye(3)
+    q = np.sqrt(1.5 * np.sum(deviator**2))
+    assert q == pytest.approx(0.15e6 * (1.0 + (4e4 / 300.0) ** 0.36), rel=1e-8)
+
+
+@settings(derandomize=True, max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10**6), tissue=st.integers(1, 7))
+def test_frame_indifference_consistency_and_dissipation(seed, tissue):
+    """Rotated strain gives rotated stress; a second return changes nothing; plastic work >= 0."""
+    rng = np.random.default_rng(seed)
+    table = tissue_table(0.002)[tissue : tissue + 1]
+    strain = rng.normal(0.0, 0.05, (8, 3, 3))
+    strain = 0.5 * (strain + strain.transpose(0, 2, 1))
+    q = Rotation.random(random_state=seed).as_matrix()
+    after, alpha, opening, tau = apply(table, strain, rate=100.0)
+    _, _, _, turned = apply(table, q @ strain @ q.T, rate=100.0)
+    size = np.max(np.abs(tau)) + 1e5
+    assert np.allclose(turned, q @ tau @ q.T, rtol=0.0, atol=1e-8 * size)
+    assert np.all(alpha >= 0.0)
+    assert np.all(opening >= 0.0)
+    work = np.einsum("nij,nij->n", tau, strain - after)
+    assert np.all(work >= -1e-8 * size)
+
+
+def test_consistency_of_the_yield_condition():
+    """y <= 1e-10 of the modulus after the return (M5), for strains up to 50 %."""
+    rng = np.random.default_rng(3)
+    strain = rng.normal(0.0, 0.2, (64, 3, 3))
+    strain = 0.5 * (strain + strain.transpose(0, 2, 1))
+    _, _, _, tau = apply(METAL, strain)
+    deviator = tau - np.trace(tau, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+    excess = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)) - 300e6
+    assert np.max(excess) <= 1e-10 * 3.0 * 80e9
+
+
+def test_single_precision_follows_double():
+    """float32 lanes (own log, exp and Jacobi) agree to 1e-5 of the stress scale."""
+    rng = np.random.default_rng(4)
+    strain = rng.normal(0.0, 0.02, (200, 3, 3))
+    strain = 0.5 * (strain + strain.transpose(0, 2, 1))
+    for tissue in range(1, 8):
+        table = tissue_table(0.002)[tissue : tissue + 1]
+        _, alpha32, _, tau32 = apply(table, strain, rate=50.0, precision="32")
+        _, alpha64, _, tau64 = apply(table, strain, rate=50.0)
+        assert np.allclose(tau32, tau64, rtol=0.0, atol=1e-5 * np.max(np.abs(tau64)))
+        assert np.allclose(alpha32, alpha64, rtol=0.0, atol=1e-5)
