@@ -37,7 +37,7 @@ def resample(artery: ArteryCentreline, spacing: float) -> CentrelineStations:
     """Stations at most `spacing` [m] apart that keep every point of the centre-line."""
     points = np.asarray(artery.points, np.float64)
     length = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    pieces = np.maximum(1, np.ceil(length / spacing).astype(int))
+    pieces = np.maximum(1, np.ceil(length / spacing - 1e-6).astype(int))
     original = np.concatenate([[0], np.cumsum(pieces)])
     parameter = np.concatenate(
         [i + np.arange(n) / n for i, n in enumerate(pieces)] + [np.array([float(len(pieces))])]

@@ -1,0 +1,134 @@
+"""Cut vessels and holes in the skin, measured on made-up outcomes with known answers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from vulnus.core.handoff import ArteryCentreline, TriangleSurface
+from vulnus.injury import wound
+
+SPACING = 0.001
+
+
+def straight_artery(length: float = 0.1, points: int = 11) -> ArteryCentreline:
+    """An artery that runs down from the origin, tapering from 1.5 to 1 mm."""
+    line = np.column_stack([np.zeros((points, 2)), np.linspace(0.0, -length, points)])
+    return ArteryCentreline("posterior_tibial", line, np.linspace(0.0015, 0.001, points))
+
+
+def plate(thickness: float = 0.002, half: float = 0.03):
+    """Skin points of a plate in z = 0, and its outer surface of two triangles."""
+    edge = np.arange(-half, half, SPACING) + SPACING / 2
+    depth = -(np.arange(int(thickness / SPACING)) + 0.5) * SPACING
+    x = np.stack(np.meshgrid(edge, edge, depth, indexing="ij"), axis=-1).reshape(-1, 3)
+    corners = half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+    surface = TriangleSurface(corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    return x, np.full(len(x), SPACING**3), surface
+
+
+def hole_of(x, volume, surface, damage, position=None):
+    destroyed = wound.destroyed_skin(
+        x, x if position is None else position, damage, spacing=SPACING, threshold=0.9
+    )
+    return wound.hole_area(x, volume, destroyed, surface, centre=(0.0, 0.0, 0.0), radius=0.02)
+
+
+def test_the_area_of_a_round_hole_of_destroyed_skin():
+    """A disc of radius 6 mm; 5 %: the lattice of 1 mm points renders its rim."""
+    x, volume, surface = plate()
+    damage = (np.hypot(x[:, 0], x[:, 1]) < 0.006).astype(float)
+    assert hole_of(x, volume, surface, damage) == pytest.approx(math.pi * 0.006**2, rel=0.05)
+
+
+def test_skin_that_is_pulled_apart_is_a_hole_too():
+    """Undamaged points blown away to four times their distance: dispersed, so no barrier."""
+    x, volume, surface = plate()
+    far = np.hypot(x[:, 0], x[:, 1]) < 0.006
+    position = x.copy()
+    position[far] = 6.0 * x[far] - np.array([0.0, 0.0, 0.05])
+    area = hole_of(x, volume, surface, np.zeros(len(x)), position)
+    assert area == pytest.approx(math.pi * 0.006**2, rel=0.1)
+
+
+def test_whole_skin_has_no_hole_and_stretched_skin_neither():
+    x, volume, surface = plate()
+    assert hole_of(x, volume, surface, np.zeros(len(x))) == 0.0
+    # 10 % stretch leaves more than half of the neighbours within reach.
+    assert hole_of(x, volume, surface, np.full(len(x), 0.5), 1.1 * x) == 0.0
+
+
+def test_damage_elsewhere_is_not_counted():
+    x, volume, surface = plate()
+    damage = (x[:, 0] > 0.025).astype(float)
+    assert hole_of(x, volume, surface, damage) == 0.0
+
+
+def test_surface_area_near_a_point_does_not_depend_on_the_triangles():
+    """Two large triangles: the disc of 20 mm has 4 pi 1e-4 m²; 2 % by splitting to a tenth."""
+    _, _, surface = plate()
+    area = wound.surface_area_near(surface, (0.0, 0.0, 0.0), 0.02)
+    assert area == pytest.approx(math.pi * 0.02**2, rel=0.02)
+
+
+def test_stations_keep_the_points_of_the_artery():
+    artery = straight_artery()
+    stations = wound.resample(artery, 0.0015)
+    assert np.array_equal(stations.points[stations.original], artery.points)
+    assert np.max(np.diff(stations.arc_length)) <= 0.0015
+    assert stations.arc_length[-1] == pytest.approx(0.1)
+    assert stations.radius[stations.original] == pytest.approx(artery.radius)
+
+
+def test_a_torn_out_length_is_one_injury_with_two_stumps():
+    """Destroyed from 40 to 50 mm of 100 mm, the rest pushed 5 mm in x."""
+    stations = wound.resample(straight_artery(), 0.001)
+    deformed = stations.points + np.array([0.005, 0.0, 0.0])
+    inside = (stations.arc_length >= 0.04 - 1e-9) & (stations.arc_length <= 0.05 + 1e-9)
+    found = wound.find_injuries(stations, deformed, inside.astype(float), 0.9)
+    assert len(found) == 1
+    injury = found[0]
+    assert injury.arc_length == pytest.approx(0.045)
+    assert injury.arc_fraction == pytest.approx(0.45)
+    assert injury.gap == pytest.approx(0.011)  # 11 stations of 1 mm
+    assert injury.lumen_radius == pytest.approx(0.0015 - 0.45 * 0.0005)
+    assert np.allclose(injury.position_proximal, (0.005, 0.0, -0.039))
+    assert np.allclose(injury.position_distal, (0.005, 0.0, -0.051))
+    assert np.allclose(injury.position, (0.005, 0.0, -0.045))
+    assert np.allclose(injury.axis_proximal, (0.0, 0.0, -1.0))
+    assert np.allclose(injury.axis_distal, (0.0, 0.0, 1.0))
+
+
+def test_an_artery_torn_to_its_end_has_its_stump_there():
+    stations = wound.resample(straight_artery(), 0.001)
+    damage = (stations.arc_length > 0.095).astype(float)
+    (injury,) = wound.find_injuries(stations, stations.points, damage, 0.9)
+    assert injury.position_distal[2] == pytest.approx(-0.1)
+    assert np.isfinite(injury.axis_distal).all()
+    assert np.linalg.norm(injury.axis_distal) == pytest.approx(1.0)
+
+
+def test_an_intact_artery_has_no_injury():
+    stations = wound.resample(straight_artery(), 0.001)
+    assert wound.find_injuries(stations, stations.points, np.full(101, 0.89), 0.9) == []
+
+
+@pytest.mark.parametrize(("stretch", "cut"), [(1.0, False), (1.2, False), (1.7, True)])
+def test_stretch_beyond_failure_destroys_the_wall(stretch, cut):
+    stations = wound.resample(straight_artery(), 0.001)
+    deformed = stretch * stations.points
+    gap, none = np.full(101, np.inf), np.zeros(101)
+    damage = wound.station_damage(stations, deformed, gap, none, 1.6)
+    assert np.all((damage >= 0.9) == cut)
+    assert np.all((damage >= 0.0) & (damage <= 1.0))
+
+
+def test_the_worst_injury_is_that_of_the_widest_vessel():
+    wide = wound.resample(straight_artery(), 0.001)
+    damage = np.zeros(101)
+    damage[[10, 80, 81, 82]] = 1.0
+    found = wound.find_injuries(wide, wide.points, damage, 0.9)
+    ordered = wound.worst_first(found)
+    assert [round(injury.arc_fraction, 2) for injury in ordered] == [0.1, 0.81]
