@@ -41,7 +41,7 @@ def check_labels(labels: LabelVolume, parameters: AnatomyParameters) -> None:
     if not any(present[tissue] for tissue in BONE_TISSUES):
         names = ", ".join(
             f"{Tissue(code).name.lower()} ({code})" if code < len(Tissue) else str(code)
-            for code in np.flatnonzero(present)
+            for code in np.flatnonzero(present).tolist()
         )
         raise AnatomyError(
             labels.source,

@@ -1,4 +1,4 @@
-"""Volumes of the tissues: on a fine lattice for the points, and against the labels as a check."""
+"""Volumes of the tissues: by probing for the points, and against the labels as a check."""
 
 from __future__ import annotations
 
@@ -11,9 +11,16 @@ from vulnus.core.handoff import LabelVolume, LimbModel, Tissue
 
 from .tissue_map import TissueMap
 
-LATTICE_PITCH = 1.0e-3
-"""Pitch of the lattice that measures the tissues [m]; chosen: half the skin's thickness, and a
-litre then counts a million points."""
+PROBE_COUNT = 600_000
+"""Places in the limb that measure its tissues; chosen: an artery of 10 ml in 2.4 l then counts
+2,500 of them, 2 % by the square root, less for an even sequence."""
+
+PROBES_PER_PASS = 400_000
+"""Places in the limb's box looked at in one go."""
+
+PLASTIC_NUMBER = 1.2207440846057596
+"""Root of x⁴ = x + 1: its powers give the most even sequence of points in three dimensions that is
+known in closed form (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences")."""
 
 FEWEST_POINTS = 50
 """Tissues with fewer points than this share the limb's mean volume a point; chosen: below it the
@@ -37,25 +44,20 @@ class TissueVolume:
 
 
 def measure_tissues(tissues: TissueMap) -> FloatArray:
-    """Part of the limb (256,) that each tissue code takes, from a regular lattice inside it."""
+    """Part of the limb (256,) that each tissue code takes, by an even sequence of places in it."""
     low, high = tissues.outer.bounds
-    first, last = np.ceil(low / LATTICE_PITCH), np.floor(high / LATTICE_PITCH)
-    x, y, z = (
-        LATTICE_PITCH * np.arange(a, b + 1, dtype=np.float64)
-        for a, b in zip(first, last, strict=True)
-    )
-    plane = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    box = float(np.prod(high - low))
+    total = int(PROBE_COUNT * box / tissues.outer.volume())
+    step = PLASTIC_NUMBER ** -np.arange(1.0, 4.0)
     count = np.zeros(256, dtype=np.float64)
-    layers = max(1, 400_000 // max(len(plane), 1))
-    for start in range(0, len(z), layers):
-        heights = z[start : start + layers]
-        points = np.column_stack(
-            [np.tile(plane, (len(heights), 1)), np.repeat(heights, len(plane))]
-        )
+    for start in range(0, total, PROBES_PER_PASS):
+        number = np.arange(start, min(start + PROBES_PER_PASS, total), dtype=np.float64)
+        points = low + (high - low) * np.modf(0.5 + number[:, None] * step)[0]
         inside = points[tissues.outer.sample(points) < 0.0]
         if len(inside):
             count += np.bincount(tissues.tissue_at(inside), minlength=256)
-    return count / max(count.sum(), 1.0)
+    fraction: FloatArray = count / max(float(count.sum()), 1.0)
+    return fraction
 
 
 def point_volumes(tissue: LabelArray, fraction: FloatArray, limb_volume: float) -> Float32Array:

@@ -158,7 +158,12 @@ class LevelSet:
         border of the grid is left open there only in the sense that its inside goes on beyond; pad
         the mask to close it.
         """
-        distance = mask_signed_distance(mask, spacing, smoothing=smoothing)
+        # A block is skipped by the distance at its middle: nine voxels and the labels' own step
+        # beyond the band are enough to tell.
+        reach = (half_width + 9.0) * voxel + float(np.max(spacing))
+        distance = mask_signed_distance(
+            np.asarray(mask, dtype=bool), spacing, reach=reach, smoothing=smoothing
+        )
         level_set = cls.from_dense(
             distance,
             origin=origin,
