@@ -1,0 +1,159 @@
+"""Particle-steps a second of the material point method, with all laws on.
+
+    python benchmarks/bench_injury.py --particles 1e5 1e6 --threads 2
+    python benchmarks/bench_injury.py --json --peer numpy
+
+A block of muscle with a skin shell and a bone rod is sheared so that it flows, while a sphere
+enters it. The time of a step is the smallest of several repeats. With --json the last
+line is one JSON object about the last size asked for; with --peer also the peer's rate.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # do not spin on a shared machine
+
+import numpy as np
+
+from vulnus.core.handoff import Tissue
+from vulnus.injury.materials import tissue_table
+from vulnus.injury.solver import MpmSolver, RigidSphere, set_threads
+
+SPACING = 0.003
+PARTICLES_PER_CELL = 8
+
+
+def body(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, tissue codes and velocities of a cube of about `count` particles."""
+    edge = round(count ** (1.0 / 3.0))
+    step = SPACING / PARTICLES_PER_CELL ** (1.0 / 3.0)
+    side = edge * step
+    axis = (np.arange(edge) + 0.5) * step - 0.5 * side
+    x = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+    x += np.random.default_rng(0).uniform(-0.3, 0.3, x.shape) * step
+    off_axis = np.hypot(x[:, 0], x[:, 1])
+    tissue = np.full(len(x), Tissue.MUSCLE, np.uint8)
+    tissue[off_axis > 0.45 * side] = Tissue.SKIN
+    tissue[off_axis < 0.12 * side] = Tissue.BONE
+    shear = 60.0 * np.sin(2.0 * np.pi / 0.015 * x[:, [1, 2, 0]])  # 2.5e4 /s: flows in some steps
+    return x, tissue, shear
+
+
+def loaded_solver(count: int) -> MpmSolver:
+    """The block with the sphere at its face."""
+    x, tissue, velocity = body(count)
+    half = float(np.max(x))
+    radius = min(0.0045, half / 3.0)
+    ball = RigidSphere(centre=(0, -half - radius, 0), velocity=(0, 350, 0), radius=radius)
+    solver = MpmSolver(
+        materials=tissue_table(SPACING), grid_spacing=SPACING, lower=(-half - 0.5,) * 3,
+        upper=(half + 0.5,) * 3, gravity=(0.0, 0.0, -9.81),
+        sphere=ball,
+    )  # fmt: skip
+    volume = np.full(len(x), SPACING**3 / PARTICLES_PER_CELL)
+    solver.set_particles(x, volume=volume, material=tissue, velocity=velocity)
+    return solver
+
+
+def measure(count: int, *, repeats: int) -> dict[str, float]:
+    """Rate, memory and share of particles that flow, of one size."""
+    solver = loaded_solver(count)
+    particles = len(solver.plastic_strain)
+    steps = max(8, int(8e6 / particles))
+    solver.advance(until=1.0, max_steps=16)
+    best = float("inf")
+    for _ in range(repeats):
+        start = time.perf_counter()
+        solver.advance(until=1.0, max_steps=steps)
+        best = min(best, (time.perf_counter() - start) / steps)
+    return {
+        "particles": particles,
+        "rate_per_s": particles / best,
+        "step_s": best,
+        "bytes_per_particle": solver.memory_bytes / particles,
+        "flowing_fraction": float(np.mean(solver.plastic_strain > 0.0)),
+    }
+
+
+def peer_numpy(count: int) -> float:
+    """Particle-steps a second of the NumPy twin (tests/reference), in float64, one thread."""
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+    from reference import mpm_twin
+
+    x, tissue, velocity = body(min(count, 8000))
+    material = mpm_twin.columns(tissue_table(SPACING), tissue)
+    volume = np.full(len(x), SPACING**3 / PARTICLES_PER_CELL)
+    state = mpm_twin.at_rest(x, velocity)
+    gravity = np.array([0.0, 0.0, -9.81])
+    start = time.perf_counter()
+    for _ in range(2):
+        state = mpm_twin.step(
+            state, volume=volume, m=material, dx=SPACING, dt=1e-7, gravity=gravity
+        )
+    return 2.0 * len(x) / (time.perf_counter() - start)
+
+
+PEERS: dict[str, Callable[[int], float]] = {"numpy": peer_numpy}
+"""Same scheme, other code: name -> particle-steps a second for a number of particles."""
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--particles", type=float, nargs="+", default=[1e5, 1e6], metavar="N")
+    parser.add_argument("--threads", type=int, default=0, help="0: all processors (default)")
+    parser.add_argument("--repeats", type=int, default=5, help="the fastest of so many counts")
+    parser.add_argument("--json", action="store_true", help="end with one JSON object")
+    parser.add_argument(
+        "--peer",
+        metavar="NAME",
+        help=f"compare with a peer in the same run: {', '.join(PEERS)} "
+        "(numpy: the slow twin of the tests, float64, one thread)",
+    )
+    parsed = parser.parse_args()
+    if parsed.peer is not None and parsed.peer not in PEERS:
+        parser.error(f"unknown peer {parsed.peer!r}; known peers: {', '.join(PEERS)}")
+    if min(parsed.particles) < 1000:
+        parser.error("--particles must be at least 1000")
+    return parsed
+
+
+def main() -> None:
+    args = arguments()
+    set_threads(args.threads)
+    cases = []
+    for count in args.particles:
+        case = measure(int(count), repeats=args.repeats)
+        cases.append(case)
+        print(
+            f"{case['particles']:>9,} particles {case['rate_per_s'] / 1e6:6.2f} M particle-steps/s"
+            f" {1e3 * case['step_s']:8.2f} ms/step {case['bytes_per_particle']:.0f} bytes/particle"
+            f" {100 * case['flowing_fraction']:.0f} % have flowed"
+        )
+    for small, large in pairwise(cases):
+        ratio = large["step_s"] / small["step_s"]
+        print(
+            f"{large['particles'] / small['particles']:.1f} x the particles: {ratio:.2f} x the time"
+        )
+    result: dict[str, object] = {**cases[-1], "cases": cases}
+    if args.peer is not None:
+        peer_rate = PEERS[args.peer](int(args.particles[-1]))
+        result["peer"] = args.peer
+        result["peer_rate_per_s"] = peer_rate
+        result["ratio"] = cases[-1]["rate_per_s"] / peer_rate
+        print(f"{args.peer}: {peer_rate:.3g} particle-steps/s, {result['ratio']:.0f} x slower")
+    if args.json:
+        print(json.dumps(result))
+
+
+if __name__ == "__main__":
+    main()
