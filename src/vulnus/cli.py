@@ -93,9 +93,14 @@ def render(
     from vulnus.pipeline import draw_again
     from vulnus.scenario import scenario_from_text
     from vulnus.storage import RunStore
+    from vulnus.terminal import notes_said
 
     console = _console()
-    with RunStore.open(run_directory) as store, _stoppable(f"vulnus render {run_directory}"):
+    with (
+        RunStore.open(run_directory) as store,
+        _stoppable(f"vulnus render {run_directory}"),
+        notes_said(_speaker(console)),
+    ):
         file = run_directory / "scenario.toml"
         scenario = scenario_from_text(file.read_text(encoding="utf-8"), file=str(file))
         drawn = draw_again(scenario, store, _progress(console))
@@ -183,6 +188,7 @@ def _run(source: str, directory: Path, *, resume: bool, until: str | None) -> No
     from vulnus.pipeline import check_stage, run_scenario
     from vulnus.scenario import load_scenario
     from vulnus.storage import RunStore
+    from vulnus.terminal import notes_said
 
     scenario = load_scenario(source)
     check_stage(until)
@@ -197,6 +203,7 @@ def _run(source: str, directory: Path, *, resume: bool, until: str | None) -> No
             checkpoint_interval=scenario.checkpoint_interval,
         ) as store,
         _stoppable(f"vulnus run -o {directory} --resume"),
+        notes_said(say),
     ):
         summary = run_scenario(scenario, store, _progress(console), until=until, say=say)
     _print_summary(summary, directory)

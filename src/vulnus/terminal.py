@@ -105,6 +105,31 @@ class LineProgress:
         """Forget the stage."""
 
 
+@contextmanager
+def notes_said(say: Callable[[str], None]) -> Iterator[None]:
+    """Warnings and log records of the stages become sentences for the user."""
+    import logging
+    import warnings
+
+    class Handler(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            say(f"note: {record.getMessage()}")
+
+    def show(message: Warning | str, *_: object, **__: object) -> None:
+        say(f"note: {message}")
+
+    logger, handler = logging.getLogger("vulnus"), Handler(logging.INFO)
+    before, logger.propagate = logger.propagate, False
+    logger.addHandler(handler)
+    try:
+        with warnings.catch_warnings():
+            warnings.showwarning = show
+            yield
+    finally:
+        logger.removeHandler(handler)
+        logger.propagate = before
+
+
 class Terminated(KeyboardInterrupt):
     """The process was asked to end (SIGTERM)."""
 

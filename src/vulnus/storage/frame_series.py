@@ -24,7 +24,7 @@ _CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
 class FrameSeries:
-    """The frames of one stage in `directory`, files `NAME_000000.vtkhdf` and so on."""
+    """The frames of one stage in `directory`, files `NAME_0000.vtkhdf` and so on."""
 
     def __init__(self, directory: Path, name: str) -> None:
         self.directory = directory
@@ -37,13 +37,16 @@ class FrameSeries:
 
     def path(self, index: int) -> Path:
         """The file of frame `index`."""
-        return self.directory / f"{self.name}_{index:06d}.vtkhdf"
+        return self.directory / f"{self.name}_{index:04d}.vtkhdf"
 
     def times(self) -> dict[int, float]:
         """Frame index to time [s], of the frames that are finished, in order."""
         try:
             entries = json.loads(self.index_path.read_text())["files"]
-            known = {int(item["name"][-13:-7]): float(item["time"]) for item in entries}
+            known = {
+                int(item["name"].split("_")[-1].split(".")[0]): float(item["time"])
+                for item in entries
+            }
         except FileNotFoundError:
             return {}
         except (ValueError, KeyError, TypeError) as trouble:

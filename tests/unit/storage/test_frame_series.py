@@ -48,7 +48,7 @@ def test_the_index_lists_files_and_times(tmp_path: Path) -> None:
         series.save(frame(index))
     index = json.loads((tmp_path / "bleed.vtkhdf.series").read_text())
     assert index["files"] == [
-        {"name": f"bleed_00000{i}.vtkhdf", "time": pytest.approx(0.04 * i)} for i in range(3)
+        {"name": f"bleed_000{i}.vtkhdf", "time": pytest.approx(0.04 * i)} for i in range(3)
     ]
     assert [item.index for item in series] == [0, 1, 2]
     assert len(series) == 3
@@ -77,7 +77,7 @@ def test_a_damaged_frame_or_index_is_told(tmp_path: Path) -> None:
     series = FrameSeries(tmp_path, "bleed")
     series.save(frame(0))
     series.path(0).write_bytes(series.path(0).read_bytes()[:300])
-    with pytest.raises(StorageError, match="bleed_000000"):
+    with pytest.raises(StorageError, match="bleed_0000"):
         series.load(0)
     series.index_path.write_text("{")
     with pytest.raises(StorageError, match="series"):
