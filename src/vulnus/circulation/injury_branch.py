@@ -108,6 +108,11 @@ class InjuryPort:
         samples = len(self.pressure_aorta)
         return np.asarray(np.arange(samples) * (self.period / samples), dtype=float)
 
+    @property
+    def resistance(self) -> float:
+        """Resistance of tree and branch to the mean flow [Pa s/m³], without the loss of head."""
+        return float(self.impedance[0].real) + self.branch_resistance
+
     def bleed(self, pressure_injury: FloatArray | float) -> BeatSignals:
         """The periodic heartbeat that bleeds against a pressure [Pa], constant or (2 H,).
 

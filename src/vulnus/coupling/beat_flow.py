@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,33 +11,42 @@ from vulnus.circulation import BeatSignals
 from vulnus.core.arrays import FloatArray
 
 
+class FlowSlice(NamedTuple):
+    """The flow between two stops: `time` [s] and `flow` [m³/s], (n,), linear in between.
+
+    `pressure_artery` [Pa] is that inside the stump at the slice's end.
+    """
+
+    time: FloatArray
+    flow: FloatArray
+    pressure_artery: float
+
+    @property
+    def volume(self) -> float:
+        """Integral of the flow [m³]: trapezia, exact for a flow that is linear in between."""
+        return float(np.sum(0.5 * (self.flow[1:] + self.flow[:-1]) * np.diff(self.time)))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class BeatFlow:
     """Signals of one beat on the run's clock, closed: the last sample repeats the first.
 
     `time` [s], (n + 1,), from the beat's start to its end; the others as in `BeatSignals`.
-    `injected` [m³], (n + 1,), is the integral of the flow since the beat's start: trapezia, which
-    are exact for a flow that is linear between samples.
     """
 
     time: FloatArray
     pressure_aorta: FloatArray
     pressure_artery: FloatArray
     flow_injury: FloatArray
-    injected: FloatArray
 
     @classmethod
     def starting(cls, start: float, signals: BeatSignals) -> BeatFlow:
         """The beat that begins at `start` [s]."""
-        time = start + np.append(signals.time, signals.period)
-        flow = _closed(signals.flow_injury)
-        slices = 0.5 * (flow[1:] + flow[:-1]) * np.diff(time)
         return cls(
-            time=time,
+            time=start + np.append(signals.time, signals.period),
             pressure_aorta=_closed(signals.pressure_aorta),
             pressure_artery=_closed(signals.pressure_artery),
-            flow_injury=flow,
-            injected=np.concatenate(([0.0], np.cumsum(slices))),
+            flow_injury=_closed(signals.flow_injury),
         )
 
     @property
@@ -49,24 +59,28 @@ class BeatFlow:
         """When the beat ends [s]."""
         return float(self.time[-1])
 
-    @property
-    def rate(self) -> tuple[FloatArray, FloatArray]:
-        """Times [s] and flows [m³/s] for `BloodSolver.advance`."""
-        return self.time, self.flow_injury
+    def aorta_at(self, time: float) -> float:
+        """Pressure in the aorta [Pa] at a time of the beat."""
+        return float(np.interp(time, self.time, self.pressure_aorta))
 
-    def at(self, time: float) -> tuple[float, float, float]:
-        """Aortic and arterial pressure [Pa] and the flow [m³/s] at a time of the beat."""
-        aorta = np.interp(time, self.time, self.pressure_aorta)
+    def between(
+        self, start: float, stop: float, *, pressure_outside: float, resistance: float
+    ) -> FlowSlice:
+        """The flow from `start` to `stop` [s] into blood at `pressure_outside` [Pa].
+
+        While the blood's pressure is above the stump's, the excess holds the flow back through
+        the tree's `resistance` [Pa s/m³], Q - (p - P) / R, down to zero: an artery does not fill
+        a pocket beyond its own pressure, though the beat's flow was found before the pocket was
+        full. Reversal is left to the exchange between beats.
+        """
+        inner = self.time[(self.time > start) & (self.time < stop)]
+        time = np.concatenate(([start], inner, [stop]))
+        flow = np.interp(time, self.time, self.flow_injury)
         artery = np.interp(time, self.time, self.pressure_artery)
-        return float(aorta), float(artery), float(np.interp(time, self.time, self.flow_injury))
-
-    def volume(self, time: float) -> float:
-        """Integral of the flow [m³] from the beat's start to a time of the beat."""
-        last = len(self.time) - 2
-        k = min(max(int(np.searchsorted(self.time, time, side="right")) - 1, 0), last)
-        flow = float(np.interp(time, self.time, self.flow_injury))
-        begun = 0.5 * (float(self.flow_injury[k]) + flow) * (time - float(self.time[k]))
-        return float(self.injected[k]) + begun
+        excess = np.maximum(pressure_outside - artery, 0.0)
+        held = np.minimum(flow, np.maximum(flow - excess / resistance, 0.0))
+        raised = float(artery[-1] + resistance * (flow[-1] - held[-1]))
+        return FlowSlice(time, held, raised)
 
 
 def _closed(signal: FloatArray) -> FloatArray:

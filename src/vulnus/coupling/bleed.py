@@ -4,6 +4,10 @@ As in the paper (section 2.3): the flow of a beat is what the tree gives against
 the blood around the wound had, on average, in the beat before. With the relaxation ω the tree
 sees p ← p + ω (p_measured - p). Between two exchanges the solver takes in a flow that is linear
 between the tree's samples, and its integral is the ledger's injected volume.
+
+One thing the paper does not say: within a beat, blood around the wound that is found above the
+stump's pressure holds the flow back (`BeatFlow.between`). Without that a closed pocket would be
+filled far beyond the artery's pressure before the tree hears of it.
 """
 
 from __future__ import annotations
@@ -21,7 +25,7 @@ from vulnus.core.handoff import BleedOutcome, ParticleFrame
 from vulnus.core.progress import Progress, SilentProgress
 from vulnus.core.units import MILLILITRE, MILLIMETRE_OF_MERCURY
 
-from .beat_flow import BeatFlow
+from .beat_flow import BeatFlow, FlowSlice
 from .blood_solver import BloodSolver, TreePort
 from .parameters import CouplingParameters
 from .run_log import RunLog
@@ -82,7 +86,9 @@ class BleedingRun:
     beats: int = field(init=False, default=0)
     frames: int = field(init=False, default=0)
     samples: int = field(init=False, default=0)
+    injected: float = field(init=False, default=0.0)
     injected_before: float = field(init=False, default=0.0)
+    pressure_outside: float = field(init=False)
     finished: bool = field(init=False, default=False)
     beat_pressure: RunningMean = field(init=False, default_factory=RunningMean)
     sample_pressure: RunningMean = field(init=False, default_factory=RunningMean)
@@ -90,7 +96,7 @@ class BleedingRun:
     wall: float = field(init=False, default=0.0)
 
     def __post_init__(self) -> None:
-        self.pressure = self.parameters.initial_pressure
+        self.pressure = self.pressure_outside = self.parameters.initial_pressure
         self.schedule = Schedule(
             duration=self.parameters.duration,
             frame_interval=self.parameters.frame_interval,
@@ -101,46 +107,66 @@ class BleedingRun:
     def begin(self, on_frame: Callable[[ParticleFrame], None]) -> None:
         """Open the first beat; frame 0 and sample 0."""
         self._open_beat()
-        self.log.sample(self.beat, self.solver, self.pressure, 0.0)
+        first = self._flow_until(self.schedule.sample_interval)
+        self._sample(self.pressure, float(first.flow[0]), float(self.beat.pressure_artery[0]))
         on_frame(self.solver.frame(0))
         self.frames = self.samples = 1
 
     def go_to_next_stop(self, progress: Progress) -> Stop:
         """Advance the blood to the next frame, sample, end of beat or end, and take note."""
         stop = self.schedule.stop_after(frames=self.frames, samples=self.samples, beats=self.beats)
-        self._advance(stop.time, progress)
-        injected = self.injected_before + self.beat.volume(stop.time)
+        given = self._flow_until(stop.time)
+        self._advance(stop.time, given, progress)
         if stop.sample:
-            measured = self.sample_pressure.take(self.solver.pressure_injury)
-            self.log.sample(self.beat, self.solver, measured, injected)
+            measured = self.sample_pressure.take(self.pressure_outside)
+            self._sample(measured, float(given.flow[-1]), given.pressure_artery)
             self.samples += 1
         if stop.frame:
             self.frames += 1
         if stop.beat or stop.end:
             elapsed = stop.time - self.beat.start
-            self.log.mean_flow.append(self.beat.volume(stop.time) / elapsed)
+            self.log.mean_flow.append((self.injected - self.injected_before) / elapsed)
         if stop.beat and not stop.end:
-            self._exchange(injected)
+            self._exchange()
         self.finished = stop.end
         return stop
 
-    def _advance(self, until: float, progress: Progress) -> None:
+    def _flow_until(self, stop: float) -> FlowSlice:
+        """The tree's flow from now to a stop, held back by the pressure measured last."""
+        return self.beat.between(
+            self.solver.time,
+            stop,
+            pressure_outside=self.pressure_outside,
+            resistance=self.port.resistance,
+        )
+
+    def _advance(self, until: float, given: FlowSlice, progress: Progress) -> None:
         """Advance the solver, keep the pressure it measured and count its work."""
         begun, steps, since = clock.perf_counter(), self.solver.steps, self.solver.time
         self.solver.advance(
-            until, self.beat.rate, on_chunk=lambda time: progress.update(time, self._note())
+            until,
+            (given.time, given.flow),
+            on_chunk=lambda time: progress.update(time, self._note()),
         )
+        self.injected += given.volume
         self.wall += clock.perf_counter() - begun
         self.particle_steps += (self.solver.steps - steps) * self.solver.particle_count
+        self.pressure_outside = self.solver.pressure_injury
         for mean in (self.beat_pressure, self.sample_pressure):
-            mean.add(self.solver.pressure_injury, until - since)
+            mean.add(self.pressure_outside, until - since)
         progress.update(until, self._note())
 
-    def _exchange(self, injected: float) -> None:
+    def _sample(self, pressure_injury: float, flow: float, pressure_artery: float) -> None:
+        """Write a row of waveforms and ledger at the solver's time."""
+        time = self.solver.time
+        signals = (self.beat.aorta_at(time), pressure_artery, pressure_injury, flow)
+        self.log.sample(time, signals, self.injected, self.solver.volumes())
+
+    def _exchange(self) -> None:
         """Hand the tree the beat's mean pressure and open the next beat."""
         measured = self.beat_pressure.take(self.pressure)
         self.pressure += self.parameters.relaxation * (measured - self.pressure)
-        self.injected_before = injected
+        self.injected_before = self.injected
         self.beats += 1
         self._open_beat()
 
@@ -148,9 +174,8 @@ class BleedingRun:
         self.beat = BeatFlow.starting(self.beats * self.port.period, self.port.bleed(self.pressure))
 
     def _note(self) -> str:
-        injected = self.injected_before + self.beat.volume(min(self.solver.time, self.beat.end))
         return (
-            f"{injected / MILLILITRE:.1f} ml, {self.solver.particle_count} particles, "
+            f"{self.injected / MILLILITRE:.1f} ml, {self.solver.particle_count} particles, "
             f"wound {self.pressure / MILLIMETRE_OF_MERCURY:.0f} mmHg"
         )
 
@@ -161,6 +186,8 @@ class BleedingRun:
             "frames": self.frames,
             "samples": self.samples,
             "pressure": self.pressure,
+            "pressure_outside": self.pressure_outside,
+            "injected": self.injected,
             "injected_before": self.injected_before,
             "beat_pressure": np.array(self.beat_pressure.parts),
             "sample_pressure": np.array(self.sample_pressure.parts),
@@ -185,6 +212,8 @@ class BleedingRun:
             int(data[name]) for name in ("beats", "frames", "samples")
         )
         self.pressure = float(data["pressure"])
+        self.pressure_outside = float(data["pressure_outside"])
+        self.injected = float(data["injected"])
         self.injected_before = float(data["injected_before"])
         self.beat_pressure = RunningMean.of(np.asarray(data["beat_pressure"]))
         self.sample_pressure = RunningMean.of(np.asarray(data["sample_pressure"]))

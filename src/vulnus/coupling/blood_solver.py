@@ -89,5 +89,9 @@ class TreePort(Protocol):
     def period(self) -> float:
         """Length of a heartbeat [s]."""
 
+    @property
+    def resistance(self) -> float:
+        """Resistance of tree and branch to the mean flow [Pa s/m³], > 0."""
+
     def bleed(self, pressure_injury: FloatArray | float) -> BeatSignals:
         """One heartbeat that bleeds against a pressure [Pa]."""

@@ -9,8 +9,7 @@ import numpy as np
 from vulnus.core.arrays import FloatArray
 from vulnus.core.handoff import BleedLedger, BleedWaveforms
 
-from .beat_flow import BeatFlow
-from .blood_solver import BloodSolver
+from .blood_solver import BloodVolumes
 
 _COLUMNS = 10
 
@@ -26,16 +25,20 @@ class RunLog:
     mean_flow: list[float] = field(default_factory=list)
 
     def sample(
-        self, beat: BeatFlow, solver: BloodSolver, pressure_injury: float, injected: float
+        self,
+        time: float,
+        signals: tuple[float, float, float, float],
+        injected: float,
+        volumes: BloodVolumes,
     ) -> None:
-        """Write a row at the solver's time; `injected` [m³] is the tree's integral up to now."""
-        volumes = solver.volumes()
+        """Write a row; `signals` are pressures in aorta, artery, wound [Pa] and the flow [m³/s].
+
+        `injected` [m³] is the integral of the tree's flow up to now.
+        """
         self.rows.append(
             (
-                solver.time,
-                *beat.at(solver.time)[:2],
-                pressure_injury,
-                beat.at(solver.time)[2],
+                time,
+                *signals,
                 injected,
                 volumes.in_limb,
                 volumes.out_of_limb,

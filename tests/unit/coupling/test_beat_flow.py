@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -27,34 +29,54 @@ def beat(flow, start=0.0, period=0.8):
     return BeatFlow.starting(start, signals)
 
 
+FREE = {"pressure_outside": -np.inf, "resistance": 1.0}
+"""No pressure around the wound that could hold the flow back."""
+
+
 def test_beat_closes_on_its_first_sample():
     whole = beat([1.0, 3.0, 2.0, 5.0], start=4.0)
     assert whole.start == 4.0
     assert whole.end == pytest.approx(4.8)
-    assert whole.at(4.8) == pytest.approx((1e4 + 1.0, 9e3 + 1.0, 1.0))
-    assert whole.at(4.1) == pytest.approx((1e4 + 2.0, 9e3 + 2.0, 2.0))
+    assert whole.aorta_at(4.1) == pytest.approx(1e4 + 2.0)
+    given = whole.between(4.1, 4.8, **FREE)
+    assert np.allclose(given.time, [4.1, 4.2, 4.4, 4.6, 4.8])
+    assert np.allclose(given.flow, [2.0, 3.0, 2.0, 5.0, 1.0])
+    assert given.pressure_artery == pytest.approx(9e3 + 1.0)
 
 
 @settings(max_examples=40, derandomize=True, deadline=None)
 @given(
     flow=st.lists(st.floats(-1e-5, 1e-5), min_size=2, max_size=20),
-    first=st.floats(0.0, 1.0),
-    second=st.floats(0.0, 1.0),
+    cuts=st.lists(st.floats(0.0, 1.0), max_size=6),
 )
-def test_volume_is_the_integral_of_the_linear_flow(flow, first, second):
+def test_slices_add_up_to_the_beat(flow, cuts):
     whole = beat(flow, start=2.4)
-    early, late = (2.4 + 0.8 * share for share in sorted((first, second)))
-    # the mean of a linear flow between two instants is exact in its nodes' trapezia
-    nodes = whole.time[(whole.time > early) & (whole.time < late)]
-    points = np.concatenate(([early], nodes, [late]))
-    values = np.interp(points, whole.time, whole.flow_injury)
-    expected = np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(points))
-    assert whole.volume(late) - whole.volume(early) == pytest.approx(expected, abs=1e-19)
+    stops = [2.4, *sorted(2.4 + 0.8 * cut for cut in cuts), whole.end]
+    slices = [whole.between(a, b, **FREE).volume for a, b in pairwise(stops)]
+    # the mean of even samples of a closed cycle is its integral over the period
+    assert np.sum(slices) == pytest.approx(0.8 * np.mean(flow), abs=1e-19)
 
 
-def test_volume_of_the_whole_beat_is_the_mean_flow_times_the_period():
-    flow = np.random.default_rng(3).normal(size=64)
-    assert beat(flow).volume(0.8) == pytest.approx(0.8 * flow.mean(), abs=1e-14)
+def test_pressure_below_the_stumps_leaves_the_flow_alone():
+    whole = beat([1e-6, 4e-6, 2e-6])  # about 9 kPa inside the stump
+    free = whole.between(0.1, 0.5, **FREE)
+    filling = whole.between(0.1, 0.5, pressure_outside=8.9e3, resistance=1e9)
+    assert np.array_equal(free.flow, filling.flow)
+
+
+def test_excess_pressure_holds_the_flow_back_through_the_resistance():
+    whole = beat([4e-6, 4e-6])
+    given = whole.between(0.0, 0.4, pressure_outside=9e3 + 1e3, resistance=1e9)
+    assert np.allclose(given.flow, 4e-6 - (1e3 - 4e-6) / 1e9, rtol=1e-12)
+    # the stump then has the pressure of the blood around it
+    assert given.pressure_artery == pytest.approx(1e4)
+
+
+def test_held_back_flow_stops_at_zero_and_a_reversed_one_is_left_to_the_exchange():
+    whole = beat([4e-6, -2e-6, 1e-6])
+    given = whole.between(0.0, 0.8, pressure_outside=1e6, resistance=1e9)
+    assert np.all(given.flow <= 0.0)
+    assert np.array_equal(given.flow, np.minimum([4e-6, -2e-6, 1e-6, 4e-6], 0.0))
 
 
 @settings(max_examples=60, derandomize=True, deadline=None)

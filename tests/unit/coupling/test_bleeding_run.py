@@ -70,6 +70,21 @@ def test_closed_pocket_stops_at_the_mean_arterial_pressure(run_bleeding, pocket,
     )
 
 
+def test_stiff_pocket_is_not_filled_beyond_the_arterys_pressure(run_bleeding, pocket, tibial_port):
+    """A pocket so stiff that it would be full within a tenth of a beat.
+
+    Exchanged once per beat alone, it would take in a whole beat's 5 ml: 1500 mmHg.
+    """
+    solver = pocket(0.003 * COMPLIANCE)
+    outcome, _ = run_bleeding(
+        solver, parameters(duration=4 * tibial_port.period, sample_interval=0.005)
+    )
+    systolic = np.max(np.fft.irfft(tibial_port.open_pressure * 256, 256))
+    assert np.max(outcome.waveforms.pressure_injury) < 1.1 * systolic
+    assert np.max(outcome.waveforms.pressure_injury) > tibial_port.open_pressure[0].real
+    assert outcome.ledger.volume_error_fraction < 1e-9
+
+
 def test_pressure_of_a_filling_pocket_lowers_each_beat_below_the_last(run_bleeding, pocket):
     outcome, _ = run_bleeding(pocket(COMPLIANCE), parameters(duration=5.0))
     assert np.all(np.diff(outcome.mean_flow_per_beat[:-1]) < 0.0)
