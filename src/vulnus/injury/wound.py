@@ -65,8 +65,8 @@ def station_damage(
 
     The largest of three: the stretch of the centre-line (from half of the failure strain on, as the
     wall law softens), the part of the lumen's diameter that the projectile ran through (`gap` [m]
-    is the smallest distance to its surface that the station came to), and the damage of the wall's
-    own material points.
+    is the smallest distance to its surface that the station came to), and `wall_damage` (m,) of the
+    wall's own material points.
     """
     reference = np.linalg.norm(np.diff(stations.points, axis=0), axis=1)
     stretch = np.linalg.norm(np.diff(deformed, axis=0), axis=1) / np.maximum(reference, 1e-12)
@@ -79,18 +79,24 @@ def station_damage(
 
 
 def wall_point_damage(
-    stations: CentrelineStations, wall_reference: AnyArray, damage: AnyArray
+    stations: CentrelineStations,
+    wall_reference: AnyArray,
+    damage: AnyArray,
+    grid_spacing: float,
 ) -> FloatArray:
     """Mean damage (m,) of the artery's material points around each station, 0 where none is near.
 
-    Near means within the lumen's radius and a half of the station, in the undeformed limb.
+    Near means within one and a half radii of the station, in the undeformed limb. Only where the
+    vessel is two cells wide: in a thinner one the points feel what crushes the tissue around them,
+    and a vessel that is pushed together is not torn.
     """
     if len(wall_reference) == 0:
         return np.zeros(len(stations.points))
     from scipy.spatial import cKDTree
 
     near = cKDTree(wall_reference).query_ball_point(stations.points, 1.5 * stations.radius)
-    return np.array([np.mean(damage[index]) if index else 0.0 for index in near])
+    mean = np.array([np.mean(damage[index]) if index else 0.0 for index in near])
+    return np.where(stations.radius >= grid_spacing, mean, 0.0)
 
 
 def find_injuries(

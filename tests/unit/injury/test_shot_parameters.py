@@ -12,7 +12,7 @@ from vulnus.core.errors import AnatomyError, ScenarioError
 from vulnus.core.handoff import Tissue
 from vulnus.injury import AimParameters, InjuryParameters, MpmSolver
 from vulnus.injury.materials import COLUMNS, MUSCLE, TISSUE_MATERIALS, material_table, tissue_table
-from vulnus.injury.passage import long_axis, prepare_shot
+from vulnus.injury.shot_setup import contact_radius, long_axis, prepare_shot
 
 AIMED = InjuryParameters(aim=AimParameters(target=(0.0, 0.0, 0.0)), window_length=0.05)
 
@@ -38,6 +38,17 @@ def test_impossible_values_are_refused_by_key(limb, key, value):
     with pytest.raises(ScenarioError) as error:
         prepare_shot(limb, replace(AIMED, **{key: value}))
     assert key in error.value.subject
+
+
+def test_cells_finer_than_the_particles_are_refused(limb):
+    with pytest.raises(ScenarioError, match="spacing"):
+        prepare_shot(limb, replace(AIMED, grid_spacing=0.5 * limb.spacing))
+
+
+def test_a_ball_that_could_slip_between_nodes_is_grown_and_said_so():
+    assert contact_radius(0.009, 0.003) == 0.0045
+    with pytest.warns(UserWarning, match=r"3\.0 mm on cells of 3\.0 mm acts as one of 5\.4 mm"):
+        assert contact_radius(0.003, 0.003) == pytest.approx(0.0027)
 
 
 def test_a_limb_without_particles_is_refused(limb):

@@ -125,6 +125,14 @@ def test_stretch_beyond_failure_destroys_the_wall(stretch, cut):
     assert np.all((damage >= 0.0) & (damage <= 1.0))
 
 
+def test_wall_points_speak_only_for_a_vessel_that_the_grid_resolves():
+    stations = wound.resample(straight_artery(), 0.001)
+    wall, damage = stations.points[::2], np.ones(51)
+    assert np.all(wound.wall_point_damage(stations, wall, damage, 0.0009) == 1.0)
+    assert np.all(wound.wall_point_damage(stations, wall, damage, 0.003) == 0.0)
+    assert np.all(wound.wall_point_damage(stations, wall[:0], damage[:0], 0.0009) == 0.0)
+
+
 def test_the_worst_injury_is_that_of_the_widest_vessel():
     wide = wound.resample(straight_artery(), 0.001)
     damage = np.zeros(101)
