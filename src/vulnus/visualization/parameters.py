@@ -45,7 +45,7 @@ class FilmParameters:
     height: int = 360
     """Height [px], even."""
 
-    samples: int = 8
+    samples: int = 6
     """Paths a pixel before denoising; chosen: the same seed in all frames keeps noise still."""
 
     frames_per_second: float = 24.0
@@ -57,8 +57,8 @@ class FilmParameters:
     passage_duration: float = 1.5
     """Length [s] of the slow-motion passage of the projectile before it; 0 leaves it out."""
 
-    frame_limit: int = 72
-    """Most rendered frames; more run frames than this are thinned out evenly."""
+    frame_limit: int = 36
+    """Most rendered frames of each part; more run frames than this are thinned out evenly."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +80,7 @@ class VisualizationParameters:
     height: int = 540
     """Height [px] of a still."""
 
-    samples: int = 32
+    samples: int = 16
     """Paths a pixel of a still before denoising; chosen by eye, about 15 s on two cores."""
 
     denoise: bool = True
@@ -89,7 +89,7 @@ class VisualizationParameters:
     seed: int = 0
     """Seed of the renderer's sampler, the same for every frame."""
 
-    leg_opacity: float = 0.3
+    leg_opacity: float = 0.17
     """Weight of the opaque leg where the leg is drawn translucent; chosen: bones stay crisp."""
 
     background: Vector3 = (0.80, 0.83, 0.86)
@@ -107,11 +107,16 @@ class VisualizationParameters:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surroundings:
-    """What stands around the limb in a run: where down is, and a platform if there is one.
-
-    `gravity` [m/s²], LPS (default: along the leg, towards the foot). `platform_point` [m] lies on
-    the platform's upper face, whose normal is against gravity; None where there is no platform.
-    """
+    """What stands around the limb in a run: where down is, and a platform if there is one."""
 
     gravity: Vector3 = (0.0, 0.0, -STANDARD_GRAVITY)
+    """Acceleration of gravity [m/s²], LPS; by default along the leg, towards the foot."""
+
+    platform_gap: float | None = None
+    """Distance [m] of a platform below the limb's lowest point; None: no platform there."""
+
     platform_point: Vector3 | None = None
+    """The middle [m] of the platform's upper face, which lies across gravity, where given."""
+
+    platform_half_extent: float | None = None
+    """Half the side [m] of the square platform; None: a floor without end."""

@@ -1,0 +1,169 @@
+"""Everything that is drawn of a run, from its results alone: `figures/*.png` and `film.mp4`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..core.errors import RenderError
+from ..core.handoff import (
+    BleedOutcome,
+    BleedWaveforms,
+    InjuredLimb,
+    LabelVolume,
+    TriangleSurface,
+)
+from ..core.progress import Progress, SilentProgress
+from .figure_style import save_figure
+from .figures import cycle_figure, flow_figure, ledger_figure, pressure_figure
+from .film import make_film, spread_indices
+from .frames import Frames
+from .limb_view import view_limb
+from .parameters import Surroundings, VisualizationParameters
+from .particle_figures import passage_figure, slices_figure
+from .picture import Picture, to_srgb, write_png
+from .pipeline_figure import PipelineStations, pipeline_figure
+from .render import Renderer
+from .stills import bleed_view, wound_view
+from .surface import blood_surface, empty_surface
+
+_PASSAGE_ROWS = 4  # chosen: as many instants as the paper's Fig. 2 shows
+_FILM_VOXEL_RATIO = 0.9  # chosen: at 640 px a coarser mesh cannot be told from a fine one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RunToDraw:
+    """The results of a run that can be drawn; what a run did not reach stays None or empty.
+
+    `beat` is one heartbeat of the tree (Fig. 4), `blood_spacing` [m] the blood particles' own.
+    """
+
+    wound: InjuredLimb
+    surroundings: Surroundings = field(default_factory=Surroundings)
+    labels: LabelVolume | None = None
+    beat: BleedWaveforms | None = None
+    outcome: BleedOutcome | None = None
+    injury_frames: Frames = ()
+    bleed_frames: Frames = ()
+    blood_spacing: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """The files that were written, and what could not be drawn and why."""
+
+    files: tuple[Path, ...]
+    complaints: tuple[str, ...]
+
+
+def draw_all(
+    run: RunToDraw,
+    parameters: VisualizationParameters,
+    directory: Path,
+    progress: Progress | None = None,
+) -> Drawn:
+    """Write `figures/*.png` and `film.mp4` into `directory`.
+
+    The figures need matplotlib alone. Where the ray tracer or the encoder is missing, the rest is
+    drawn and the complaint says what to install; no run fails for want of a picture.
+    """
+    if not parameters.enabled:
+        return Drawn((), ())
+    bar = progress or SilentProgress()
+    files: list[Path] = []
+    complaints: list[str] = []
+    figures = directory / "figures"
+    bar.begin("figures", 1.0, "set")
+    files += draw_figures(run, parameters, figures)
+    bar.end()
+    picture: Picture | None = None
+    blood = last_blood(run, parameters)
+    if parameters.stills or parameters.film.enabled:
+        try:
+            renderer = Renderer(parameters)
+            if parameters.stills:
+                stills, picture = _draw_stills(run, renderer, blood, figures, bar)
+                files += stills
+            if parameters.film.enabled:
+                files.append(_draw_film(run, renderer, directory, bar))
+        except RenderError as error:
+            complaints.append(str(error))
+    stations = PipelineStations(
+        wound=run.wound,
+        labels=run.labels,
+        beat=run.beat,
+        outcome=run.outcome,
+        blood=blood,
+        picture=picture,
+    )
+    figure = pipeline_figure(stations)
+    files.append(save_figure(figure, figures / "pipeline.png", parameters.figure_dots_per_inch))
+    return Drawn(tuple(files), tuple(complaints))
+
+
+def draw_figures(
+    run: RunToDraw, parameters: VisualizationParameters, directory: Path
+) -> list[Path]:
+    """The curves, slices and point views that this run has the results for; their files."""
+    dots = parameters.figure_dots_per_inch
+    artery = run.wound.severed_segment or "anterior_tibial"
+    written = []
+    if run.beat is not None:
+        figure = cycle_figure(run.beat, artery=artery)
+        written.append(save_figure(figure, directory / "cycle.png", dots))
+    if run.outcome is not None:
+        for name, figure in (
+            ("flow.png", flow_figure(run.outcome)),
+            ("pressure.png", pressure_figure(run.outcome, artery=artery)),
+            ("blood_loss.png", ledger_figure(run.outcome.ledger)),
+        ):
+            written.append(save_figure(figure, directory / name, dots))
+    if len(run.injury_frames) > 0:
+        chosen = spread_indices(len(run.injury_frames), _PASSAGE_ROWS)
+        frames = [run.injury_frames[index] for index in chosen]
+        figure = passage_figure(run.wound, frames)
+        written.append(save_figure(figure, directory / "passage.png", dots))
+    if run.labels is not None:
+        written.append(save_figure(slices_figure(run.labels), directory / "slices.png", dots))
+    return written
+
+
+def last_blood(run: RunToDraw, parameters: VisualizationParameters) -> TriangleSurface:
+    """The blood's surface in the last frame; empty where nothing bleeds."""
+    if len(run.bleed_frames) == 0:
+        return empty_surface()
+    frame = run.bleed_frames[len(run.bleed_frames) - 1]
+    return blood_surface(frame.position, run.blood_spacing, parameters.blood_surface)
+
+
+def _draw_stills(
+    run: RunToDraw,
+    renderer: Renderer,
+    blood: TriangleSurface,
+    directory: Path,
+    bar: Progress,
+) -> tuple[list[Path], Picture]:
+    view = view_limb(run.wound, run.surroundings)
+    bar.begin("stills", 2.0, "pictures")
+    picture = to_srgb(wound_view(renderer, view))
+    files = [write_png(directory / "wound.png", picture)]
+    bar.update(1.0)
+    if blood.triangles.shape[0] > 0:
+        picture = to_srgb(bleed_view(renderer, view, blood))
+        files.append(write_png(directory / "bleeding.png", picture))
+    bar.end()
+    return files, picture
+
+
+def _draw_film(run: RunToDraw, renderer: Renderer, directory: Path, bar: Progress) -> Path:
+    view = view_limb(run.wound, run.surroundings, voxel_ratio=_FILM_VOXEL_RATIO)
+    return make_film(
+        directory / "film.mp4",
+        renderer,
+        view,
+        injury_frames=run.injury_frames,
+        bleed_frames=run.bleed_frames,
+        outcome=run.outcome,
+        blood_spacing=run.blood_spacing,
+        progress=bar,
+    )
