@@ -103,6 +103,8 @@ nb::dict kept_arrays(WcsphSolver<Real>& s) {
     using T = typename std::remove_reference_t<decltype(a)>::value_type;
     out[kKeptNames[k++]] = nb::cast(to_numpy<T>(a, {a.size()}));
   });
+  out["barrier_pressure"] =
+      nb::cast(to_numpy(std::vector<Real>(s.barrier().pressure), {s.barrier().pressure.size()}));
   return out;
 }
 
@@ -114,6 +116,10 @@ void restore_arrays(WcsphSolver<Real>& s, const nb::dict& kept) {
     auto values = nb::cast<nb::ndarray<const T, nb::ndim<1>, nb::c_contig>>(kept[kKeptNames[k++]]);
     a.assign(values.data(), values.data() + values.size());
   });
+  using Kept = nb::ndarray<const Real, nb::ndim<1>, nb::c_contig>;
+  const auto pressure = nb::cast<Kept>(kept["barrier_pressure"]);
+  if (pressure.size() != s.barrier().size()) throw nb::value_error("another barrier");
+  std::copy(pressure.data(), pressure.data() + pressure.size(), s.barrier().pressure.begin());
   s.resume();
 }
 
@@ -286,8 +292,12 @@ void bind_solver(nb::module_& m, const char* name) {
 
 void bind_settings(nb::module_& m) {
   using F = FluidSettings;
+  nb::enum_<KernelSet>(m, "KernelSet")
+      .value("MUELLER2003", KernelSet::kMueller2003)
+      .value("WENDLAND_C2", KernelSet::kWendlandC2);
   nb::class_<F>(m, "FluidSettings")
       .def(nb::init<>())
+      .def_rw("kernels", &F::kernels)
       .def_rw("spacing", &F::spacing)
       .def_rw("smoothing", &F::smoothing)
       .def_rw("sound_speed", &F::sound_speed)
@@ -321,7 +331,8 @@ std::array<double, 4> lattice_values(double h, double dx) {
 void bind_laws(nb::module_& m) {
   m.def("kernels_mueller2003", &kernel_values<MuellerKernels<double>>, "r"_a, "h"_a);
   m.def("kernels_wendland_c2", &kernel_values<WendlandKernels<double>>, "r"_a, "h"_a);
-  m.def("lattice_sums", &lattice_values<MuellerKernels<double>>, "h"_a, "dx"_a);
+  m.def("lattice_sums_mueller2003", &lattice_values<MuellerKernels<double>>, "h"_a, "dx"_a);
+  m.def("lattice_sums_wendland_c2", &lattice_values<WendlandKernels<double>>, "h"_a, "dx"_a);
   m.def("pressure_linear", &pressure_linear<double>);
   m.def("porosity_from_density", &porosity_from_density<double>);
   m.def("permeability_kozeny_carman", &permeability_kozeny_carman<double>);

@@ -50,12 +50,11 @@ VULNUS_HD Real dissipation_zhang2017(Real closing_speed, Real coefficient, Real 
   return limited * u * inverse_density;
 }
 
-// Mirrored pressure of a barrier particle, over rho^2: p_b = p_i + rho g.(r_b - r_i), so that
-// blood at rest stays at rest on a floor (Adami, Hu & Adams 2012, JCP 231:7057).
+// Pressure of blood continued to a barrier particle, p_j + rho0 g.(r_b - r_j), so that blood at
+// rest stays at rest on a floor (Adami, Hu & Adams 2012, JCP 231:7057).
 template <class Real>
-VULNUS_HD Real mirrored_pressure(Real p_over_rho2_i, Real inverse_density,
-                                 Real gravity_dot_offset) {
-  return p_over_rho2_i + inverse_density * gravity_dot_offset;
+VULNUS_HD Real mirrored_pressure(Real pressure, Real density, Real gravity_dot_offset) {
+  return pressure + density * gravity_dot_offset;
 }
 
 // Equation: Chong2017 (12)

@@ -4,11 +4,11 @@ namespace vulnus::hemorrhage {
 namespace {
 
 template <class Real>
-Box<Real> bounding_box(const Particles<Real>& p, std::int32_t first, std::int32_t last) {
-  Box<Real> box{{p.built_x[first], p.built_y[first], p.built_z[first]},
-                {p.built_x[first], p.built_y[first], p.built_z[first]}};
+Box<Real> bounding_box(const Real* x, const Real* y, const Real* z, std::int32_t first,
+                       std::int32_t last) {
+  Box<Real> box{{x[first], y[first], z[first]}, {x[first], y[first], z[first]}};
   for (std::int32_t i = first + 1; i < last; ++i) {
-    const std::array<Real, 3> point{p.built_x[i], p.built_y[i], p.built_z[i]};
+    const std::array<Real, 3> point{x[i], y[i], z[i]};
     for (int a = 0; a < 3; ++a) {
       box.lower[a] = std::min(box.lower[a], point[a]);
       box.upper[a] = std::max(box.upper[a], point[a]);
@@ -89,8 +89,8 @@ void Neighbours<Real>::search(const Particles<Real>& p, const CellOrder<Real>& o
     batch.blood_start.assign(1, 0);
     batch.barrier_start.assign(1, 0);
     for (std::int32_t c = batch.first_cell; c < batch.last_cell; ++c) {
-      const Box<Real> box = bounding_box(p, order.cell_start(c), order.cell_start(c + 1));
       const Real *x = p.built_x.data(), *y = p.built_y.data(), *z = p.built_z.data();
+      const Box<Real> box = bounding_box(x, y, z, order.cell_start(c), order.cell_start(c + 1));
       collect_images(order, x, y, z, box, blood_reach, periodicity, batch.blood);
       collect_images(barrier_order, barrier.x.data(), barrier.y.data(), barrier.z.data(), box,
                      barrier_reach, periodicity, batch.barrier);
@@ -98,14 +98,64 @@ void Neighbours<Real>::search(const Particles<Real>& p, const CellOrder<Real>& o
       batch.barrier_start.push_back(static_cast<std::uint32_t>(batch.barrier.size()));
     }
   }
+  list_wet_cells(barrier, barrier_order.cell_count());
+  search_wet(p, order, barrier, barrier_order, periodicity, barrier_reach, threads);
+}
+
+template <class Real>
+void Neighbours<Real>::list_wet_cells(const BarrierParticles<Real>& barrier,
+                                      std::size_t barrier_cells) {
+  is_wet_.resize(barrier_cells, 0);
+  for (const std::int32_t c : wet_cells_) is_wet_[c] = 0;
+  dried_cells_.swap(wet_cells_);
+  wet_cells_.clear();
+  for (std::size_t b = 0; b < used_; ++b) {
+    for (const std::uint32_t candidate : batches_[b].barrier) {
+      const std::int32_t c = barrier.cell[candidate & kIndexMask];
+      if (is_wet_[c]) continue;
+      is_wet_[c] = 1;
+      wet_cells_.push_back(c);
+    }
+  }
+  std::sort(wet_cells_.begin(), wet_cells_.end());
+  std::erase_if(dried_cells_, [this](std::int32_t c) { return is_wet_[c] != 0; });
+}
+
+template <class Real>
+void Neighbours<Real>::search_wet(const Particles<Real>& p, const CellOrder<Real>& order,
+                                  const BarrierParticles<Real>& barrier,
+                                  const CellOrder<Real>& barrier_order,
+                                  const Periodicity<Real>& periodicity, Real reach, int threads) {
+  const int cells = static_cast<int>(wet_cells_.size());
+  wet_used_ = static_cast<std::size_t>((cells + kCellsPerBatch - 1) / kCellsPerBatch);
+  if (wet_batches_.size() < wet_used_) wet_batches_.resize(wet_used_);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
+  for (std::int64_t b = 0; b < static_cast<std::int64_t>(wet_used_); ++b) {
+    CellBatch& batch = wet_batches_[b];
+    batch.first_cell = static_cast<std::int32_t>(b * kCellsPerBatch);
+    batch.last_cell = std::min<std::int32_t>(batch.first_cell + kCellsPerBatch, cells);
+    batch.blood.clear();
+    batch.blood_start.assign(1, 0);
+    for (std::int32_t place = batch.first_cell; place < batch.last_cell; ++place) {
+      const std::int32_t c = wet_cells_[place];
+      const Box<Real> box =
+          bounding_box(barrier.x.data(), barrier.y.data(), barrier.z.data(),
+                       barrier_order.cell_start(c), barrier_order.cell_start(c + 1));
+      collect_images(order, p.built_x.data(), p.built_y.data(), p.built_z.data(), box, reach,
+                     periodicity, batch.blood);
+      batch.blood_start.push_back(static_cast<std::uint32_t>(batch.blood.size()));
+    }
+  }
 }
 
 template <class Real>
 std::size_t Neighbours<Real>::memory_bytes() const {
   std::size_t bytes = batches_.capacity() * sizeof(CellBatch);
-  for (const CellBatch& b : batches_) {
-    bytes += sizeof(std::uint32_t) * (b.blood.capacity() + b.barrier.capacity() +
-                                      b.blood_start.capacity() + b.barrier_start.capacity());
+  for (const auto* list : {&batches_, &wet_batches_}) {
+    for (const CellBatch& b : *list) {
+      bytes += sizeof(std::uint32_t) * (b.blood.capacity() + b.barrier.capacity() +
+                                        b.blood_start.capacity() + b.barrier_start.capacity());
+    }
   }
   return bytes;
 }

@@ -46,11 +46,25 @@ class Neighbours {
 
   const std::vector<CellBatch>& batches() const { return batches_; }
   std::size_t batch_count() const { return used_; }
+  // The other way round: blood near each barrier cell that any blood is near. A wet batch's cells
+  // are places in `wet_cells`.
+  const std::vector<CellBatch>& wet_batches() const { return wet_batches_; }
+  std::size_t wet_batch_count() const { return wet_used_; }
+  // Barrier cells that were wet before the last search and are not any more.
+  const std::vector<std::int32_t>& dried_cells() const { return dried_cells_; }
+  std::int32_t wet_cell(std::int32_t place) const { return wet_cells_[place]; }
   std::size_t memory_bytes() const;
 
  private:
-  std::vector<CellBatch> batches_;
-  std::size_t used_ = 0;
+  void list_wet_cells(const BarrierParticles<Real>& barrier, std::size_t barrier_cells);
+  void search_wet(const Particles<Real>& particles, const CellOrder<Real>& order,
+                  const BarrierParticles<Real>& barrier, const CellOrder<Real>& barrier_order,
+                  const Periodicity<Real>& periodicity, Real reach, int threads);
+
+  std::vector<CellBatch> batches_, wet_batches_;
+  std::size_t used_ = 0, wet_used_ = 0;
+  std::vector<std::uint8_t> is_wet_;
+  std::vector<std::int32_t> wet_cells_, dried_cells_;
 };
 
 extern template class Neighbours<float>;

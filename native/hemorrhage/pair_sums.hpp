@@ -80,7 +80,7 @@ struct PairForces {
 template <class Real>
 struct PairConstants {
   Real tiny_r2;  // keeps r > 0, so that a particle exerts no force on itself
-  Real dissipation, sound_speed, inverse_rest_density;
+  Real dissipation, sound_speed, rest_density, inverse_rest_density;
   Real gx, gy, gz;
 };
 
@@ -112,15 +112,15 @@ inline void blood_forces(const Kernels& kernels, const CandidateBuffer<Real>& b,
   out.viscous_x += qx, out.viscous_y += qy, out.viscous_z += qz;
 }
 
-// A barrier's particles mirror the pressure and stand still (no slip). `floor` is the least
-// pressure over rho^2 that the wall may answer with: 0 where pressure is clamped.
+// A barrier's particles press back with the pressure they were given and stand still (no slip).
 template <class Real, class Kernels>
 inline void barrier_forces(const Kernels& kernels, const CandidateBuffer<Real>& b, std::size_t n,
-                           const Probe<Real>& i, const PairConstants<Real>& c, Real floor,
+                           const Probe<Real>& i, const PairConstants<Real>& c,
                            PairForces<Real>& out) {
   const Real *bx = b.x, *by = b.y, *bz = b.z, *bw = b.weight;
+  const Real *bp = b.p_over_rho2, *bi = b.inverse_density;
   Real px = 0, py = 0, pz = 0, q = 0;
-#pragma omp simd reduction(+ : px, py, pz, q) aligned(bx, by, bz, bw : 64)
+#pragma omp simd reduction(+ : px, py, pz, q) aligned(bx, by, bz, bw, bp, bi : 64)
   for (std::size_t k = 0; k < n; ++k) {
     const Real dx = i.x - bx[k], dy = i.y - by[k], dz = i.z - bz[k];
     const Real r2 = dx * dx + dy * dy + dz * dz + c.tiny_r2;
@@ -129,16 +129,35 @@ inline void barrier_forces(const Kernels& kernels, const CandidateBuffer<Real>& 
     const Real closing = -(i.vx * dx + i.vy * dy + i.vz * dz) * inverse_r;
     const Real shock =
         dissipation_zhang2017(closing, c.dissipation, c.sound_speed, c.inverse_rest_density);
-    const Real mirrored =
-        mirrored_pressure(i.p_over_rho2, i.inverse_density, -(c.gx * dx + c.gy * dy + c.gz * dz));
-    const Real answer = mirrored > floor ? mirrored : floor;
     const Real p =
-        pressure_pair(bw[k], i.p_over_rho2, answer, shock, kernels.gradient_over_r(r, inverse_r));
-    q += viscosity_pair(bw[k], i.inverse_density, kernels.laplacian(r));
+        pressure_pair(bw[k], i.p_over_rho2, bp[k], shock, kernels.gradient_over_r(r, inverse_r));
+    q += viscosity_pair(bw[k], bi[k], kernels.laplacian(r));
     px += p * dx, py += p * dy, pz += p * dz;
   }
   out.pressure_x += px, out.pressure_y += py, out.pressure_z += pz;
   out.viscous_x -= q * i.vx, out.viscous_y -= q * i.vy, out.viscous_z -= q * i.vz;
+}
+
+// Sums over blood around a barrier particle: kernel weights, and pressure continued to it from each
+// neighbour, p_j + rho0 g.(r_b - r_j), weighted likewise. `p_over_rho2` of the buffer holds p_j
+// here.
+template <class Real, class Kernels>
+inline void mirror_sums(const Kernels& kernels, const CandidateBuffer<Real>& b, std::size_t n,
+                        Real xb, Real yb, Real zb, const PairConstants<Real>& c, Real& weight,
+                        Real& pressure) {
+  const Real *bx = b.x, *by = b.y, *bz = b.z, *bw = b.weight, *bp = b.p_over_rho2;
+  Real sum = 0, sum_p = 0;
+#pragma omp simd reduction(+ : sum, sum_p) aligned(bx, by, bz, bw, bp : 64)
+  for (std::size_t k = 0; k < n; ++k) {
+    const Real dx = xb - bx[k], dy = yb - by[k], dz = zb - bz[k];
+    const Real share = density_share(bw[k], kernels.density(dx * dx + dy * dy + dz * dz));
+    const Real continued =
+        mirrored_pressure(bp[k], c.rest_density, c.gx * dx + c.gy * dy + c.gz * dz);
+    sum += share;
+    sum_p += interpolation_share(continued, share, Real(1));
+  }
+  weight = sum;
+  pressure = sum_p;
 }
 
 }  // namespace vulnus::hemorrhage

@@ -77,6 +77,9 @@ struct Particles {
 template <class Real>
 struct BarrierParticles {
   std::vector<Real> x, y, z, weight;
+  std::vector<Real> pressure;                      // kept from step to step
+  std::vector<Real> p_over_rho2, inverse_density;  // derived each step where blood is near
+  std::vector<std::int32_t> cell;
   std::size_t size() const { return x.size(); }
 };
 

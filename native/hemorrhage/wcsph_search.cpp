@@ -22,7 +22,7 @@ void apply_order(std::vector<Real>& values, const std::vector<std::int32_t>& ord
 
 template <class Real>
 void WcsphSolver<Real>::set_barrier(std::vector<Real> x, std::vector<Real> y, std::vector<Real> z) {
-  barrier_ = {std::move(x), std::move(y), std::move(z), {}};
+  barrier_.x = std::move(x), barrier_.y = std::move(y), barrier_.z = std::move(z);
   const std::size_t n = barrier_.size();
   barrier_order_.frame(barrier_.x.data(), barrier_.y.data(), barrier_.z.data(), n,
                        Real(settings.smoothing));
@@ -34,19 +34,32 @@ void WcsphSolver<Real>::set_barrier(std::vector<Real> x, std::vector<Real> y, st
   radix_order(keys, order, n ? barrier_order_.key_limit() : 0);
   for (auto* a : {&barrier_.x, &barrier_.y, &barrier_.z}) apply_order(*a, order);
   barrier_order_.index(keys);
-  weigh_barrier();
+  barrier_.cell.resize(n);
+  for (std::size_t c = 0; c < barrier_order_.cell_count(); ++c) {
+    std::fill(barrier_.cell.begin() + barrier_order_.cell_start(c),
+              barrier_.cell.begin() + barrier_order_.cell_start(c + 1),
+              static_cast<std::int32_t>(c));
+  }
+  if (settings.kernels == KernelSet::kMueller2003)
+    weigh_barrier(mueller_);
+  else
+    weigh_barrier(wendland_);
   stale = true;
 }
 
 // Volume of a barrier particle, 1 / sum_b' W_bb' (Akinci 2012), at most a blood particle's: walls
 // of several layers lack neighbours only where no blood is. `weight` = rho0 V_b / (rho0 dx^3).
 template <class Real>
-void WcsphSolver<Real>::weigh_barrier() {
+template <class Kernels>
+void WcsphSolver<Real>::weigh_barrier(const Kernels& kernels) {
   const std::size_t n = barrier_.size();
   const double dx3 = settings.spacing * settings.spacing * settings.spacing;
-  const Real factor = Real(dx3 * settings.density_scale) * kernels_.density_factor;
-  const Real h = kernels_.h;
+  const Real factor = Real(dx3 * settings.density_scale) * kernels.density_factor;
+  const Real h = kernels.h;
   barrier_.weight.resize(n);
+  barrier_.pressure.assign(n, 0);
+  barrier_.p_over_rho2.assign(n, 0);
+  barrier_.inverse_density.assign(n, Real(1.0 / settings.density));
   for (std::size_t b = 0; b < n; ++b) {
     const Real x = barrier_.x[b], y = barrier_.y[b], z = barrier_.z[b];
     Real sum = 0;
@@ -54,7 +67,7 @@ void WcsphSolver<Real>::weigh_barrier() {
     barrier_order_.visit_rows(box, [&](std::int32_t first, std::int32_t last) {
       for (std::int32_t j = first; j < last; ++j) {
         const Real dx = x - barrier_.x[j], dy = y - barrier_.y[j], dz = z - barrier_.z[j];
-        sum += kernels_.density(dx * dx + dy * dy + dz * dz);
+        sum += kernels.density(dx * dx + dy * dy + dz * dz);
       }
     });
     barrier_.weight[b] = std::min(Real(1), Real(1) / (sum * factor));
@@ -142,6 +155,10 @@ void WcsphSolver<Real>::search() {
   drop_strays();
   order_particles();
   index_cells();
+  for (const std::int32_t c : neighbours_.dried_cells()) {
+    std::fill(barrier_.pressure.begin() + barrier_order_.cell_start(c),
+              barrier_.pressure.begin() + barrier_order_.cell_start(c + 1), Real(0));
+  }
   sample_fields();
   largest_move_ = 0;
   stale = false;

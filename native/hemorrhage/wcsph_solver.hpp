@@ -18,7 +18,10 @@
 
 namespace vulnus::hemorrhage {
 
+enum class KernelSet : int { kMueller2003 = 0, kWendlandC2 = 1 };
+
 struct FluidSettings {
+  KernelSet kernels = KernelSet::kWendlandC2;
   double spacing = 1e-3, smoothing = 2e-3, sound_speed = 30, density = 1060, viscosity = 3.5e-3;
   double courant = 0.25;
   double fixed_step = 0;     // > 0: this step instead of the adaptive one
@@ -35,8 +38,6 @@ inline constexpr double kSkin = 0.10;
 template <class Real>
 class WcsphSolver {
  public:
-  using Kernels = MuellerKernels<Real>;
-
   explicit WcsphSolver(const FluidSettings& settings);
 
   // Scene.
@@ -73,7 +74,7 @@ class WcsphSolver {
   double next_step() const;
   std::size_t memory_bytes();
   double mean_neighbours() const;
-  const BarrierParticles<Real>& barrier() const { return barrier_; }
+  BarrierParticles<Real>& barrier() { return barrier_; }
 
  private:
   struct Largest {
@@ -82,7 +83,8 @@ class WcsphSolver {
   };
 
   Real skin() const { return Real(kSkin * settings.smoothing); }
-  void weigh_barrier();
+  template <class Kernels>
+  void weigh_barrier(const Kernels& kernels);
   bool step(double dt, const FlowSeries& flow);
   void search();
   void order_particles();
@@ -90,10 +92,17 @@ class WcsphSolver {
   void index_cells();
   void sample_fields();
   void sums(double dt, bool integrate);
-  void density_pass(const CellBatch& batch, CandidateBuffer<Real>& buffer);
-  void force_pass(const CellBatch& batch, CandidateBuffer<Real>& buffer);
-  void density_of(std::int32_t i, Real sum);
-  void acceleration_of(std::int32_t i, const PairForces<Real>& forces);
+  template <class Kernels>
+  void density_pass(const Kernels& kernels, const CellBatch& batch, CandidateBuffer<Real>& buffer);
+  template <class Kernels>
+  void barrier_pass(const Kernels& kernels, const CellBatch& wet, Real share,
+                    CandidateBuffer<Real>& buffer);
+  template <class Kernels>
+  void force_pass(const Kernels& kernels, const CellBatch& batch, CandidateBuffer<Real>& buffer);
+  template <class Kernels>
+  void sums(const Kernels& kernels, double dt, bool integrate);
+  void density_of(std::int32_t i, Real sum, Real own_share, Real factor);
+  void acceleration_of(std::int32_t i, const PairForces<Real>& forces, Real push, Real drag);
   void integrate_range(std::size_t first, std::size_t last, Real dt, Largest& largest);
   void keep_out_of_walls(std::size_t i, Largest& largest);
   void push_out(std::size_t i, Real distance, const std::array<Real, 3>& normal, Largest& largest);
@@ -101,11 +110,13 @@ class WcsphSolver {
                    std::size_t n, bool with_motion) const;
   void fetch_barrier(const CellBatch& batch, std::int32_t cell, CandidateBuffer<Real>& buffer,
                      std::size_t offset, std::size_t n) const;
+  PairConstants<Real> pair_constants() const;
   void merge(const std::vector<Largest>& parts);
   void locate_fault();
   int useful_threads() const;
 
-  Kernels kernels_;
+  MuellerKernels<Real> mueller_;
+  WendlandKernels<Real> wendland_;
   BarrierParticles<Real> barrier_;
   CellOrder<Real> order_, barrier_order_;
   Neighbours<Real> neighbours_;

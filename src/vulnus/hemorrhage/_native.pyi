@@ -1,3 +1,4 @@
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,12 @@ from vulnus.core.arrays import AnyArray, Float32Array, FloatArray, IndexArray, I
 
 Vector = tuple[float, float, float]
 
+class KernelSet(Enum):
+    MUELLER2003 = 0
+    WENDLAND_C2 = 1
+
 class FluidSettings:
+    kernels: KernelSet
     spacing: float
     smoothing: float
     sound_speed: float
@@ -119,7 +125,8 @@ FREE_LOG_RATE: float
 
 def kernels_mueller2003(r: float, h: float) -> list[float]: ...
 def kernels_wendland_c2(r: float, h: float) -> list[float]: ...
-def lattice_sums(h: float, dx: float) -> list[float]: ...
+def lattice_sums_mueller2003(h: float, dx: float) -> list[float]: ...
+def lattice_sums_wendland_c2(h: float, dx: float) -> list[float]: ...
 def pressure_linear(density: float, rest_density: float, k: float) -> float: ...
 def porosity_from_density(density_ratio: float, porosity_intact: float) -> float: ...
 def permeability_kozeny_carman(grain_diameter: float, porosity: float) -> float: ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from vulnus.core.constants import BLOOD_DENSITY, BLOOD_VISCOSITY
 from vulnus.core.errors import UnstableStepError
 
 from . import _native
+
+KernelSet = Literal["mueller2003", "wendland_c2"]
 
 CHUNK_WALL_TIME = 0.15
 """Wall time of one native call [s]; chosen: Ctrl-C is answered between calls."""
@@ -51,6 +54,8 @@ class FluidParameters:
     density: float = BLOOD_DENSITY
     viscosity: float = BLOOD_VISCOSITY
     courant_number: float = 0.25
+    kernels: KernelSet = "wendland_c2"
+    """Smoothing kernels: "mueller2003" are the paper's three (poly6, spiky, viscosity)."""
     pressure_clamped: bool = True
     as_printed: bool = False
     dissipation: float = 3.0
@@ -79,9 +84,10 @@ class FluidParameters:
         settings.clamped = self.pressure_clamped and not self.as_printed
         settings.as_printed = self.as_printed
         settings.dissipation = 0.0 if self.as_printed else self.dissipation
-        whole, others, gradient, laplacian = _native.lattice_sums(
-            self.smoothing_length, self.particle_spacing
-        )
+        paper = self.kernels == "mueller2003"
+        sums = _native.lattice_sums_mueller2003 if paper else _native.lattice_sums_wendland_c2
+        whole, others, gradient, laplacian = sums(self.smoothing_length, self.particle_spacing)
+        settings.kernels = getattr(_native.KernelSet, self.kernels.upper())
         if self.as_printed:
             settings.rest_density = self.density * others
         else:
