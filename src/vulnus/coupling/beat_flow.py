@@ -68,17 +68,18 @@ class BeatFlow:
     ) -> FlowSlice:
         """The flow from `start` to `stop` [s] into blood at `pressure_outside` [Pa].
 
-        While the blood's pressure is above the stump's, the excess holds the flow back through
-        the tree's `resistance` [Pa s/m³], Q - (p - P) / R, down to zero: an artery does not fill
-        a pocket beyond its own pressure, though the beat's flow was found before the pocket was
-        full. Reversal is left to the exchange between beats.
+        Where the beat's flow would run against the difference of pressure, out of the stump
+        into blood of higher pressure or back from blood of lower, the difference holds it back
+        through the tree's `resistance` [Pa s/m³], Q - (p - P) / R, at most to zero: an artery
+        neither fills a pocket beyond its own pressure nor sucks it empty, though the beat's flow
+        was found before the pocket was full. Turning the flow is left to the exchange.
         """
         inner = self.time[(self.time > start) & (self.time < stop)]
         time = np.concatenate(([start], inner, [stop]))
         flow = np.interp(time, self.time, self.flow_injury)
         artery = np.interp(time, self.time, self.pressure_artery)
-        excess = np.maximum(pressure_outside - artery, 0.0)
-        held = np.minimum(flow, np.maximum(flow - excess / resistance, 0.0))
+        against = np.maximum(np.sign(flow) * (pressure_outside - artery), 0.0)
+        held = np.copysign(np.maximum(np.abs(flow) - against / resistance, 0.0), flow)
         raised = float(artery[-1] + resistance * (flow[-1] - held[-1]))
         return FlowSlice(time, held, raised)
 
