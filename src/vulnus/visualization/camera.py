@@ -122,7 +122,10 @@ def side_direction(
     shows. Chosen from 72 azimuths by a smooth score; equal input gives an equal view.
     """
     upward = unit(up)
-    first = unit(np.cross(upward, [0.31, 0.17, 0.93] if abs(upward[2]) < 0.9 else [0.0, 1.0, 0.0]))
+    first = np.cross(upward, unit(long_axis))  # a lying limb is seen exactly across its axis
+    if float(np.linalg.norm(first)) < 0.1:
+        first = np.cross(upward, np.eye(3)[int(np.argmin(np.abs(upward)))])
+    first = unit(first)
     second = np.cross(upward, first)
     angles = np.deg2rad(5.0) * np.arange(72)
     horizontal = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second

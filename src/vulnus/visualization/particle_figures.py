@@ -138,7 +138,8 @@ def shot_axes(wound: InjuredLimb) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def shot_middle(wound: InjuredLimb) -> FloatArray:
     """The point [m] half way between entry and exit."""
-    return 0.5 * (np.asarray(wound.shot.entry_point) + np.asarray(wound.shot.exit_point))
+    ends = np.array([wound.shot.entry_point, wound.shot.exit_point], dtype=np.float64)
+    return np.asarray(ends.mean(axis=0))
 
 
 def slices_figure(labels: LabelVolume, *, count: int = 6) -> Figure:
