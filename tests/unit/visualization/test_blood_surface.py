@@ -79,5 +79,5 @@ def test_surface_moves_with_its_particles_by_whole_voxels() -> None:
     assert moved.vertices.shape == first.vertices.shape
     distance, _ = cKDTree(moved.vertices - shift).query(first.vertices)
     # Ties between equally near particles of a lattice fall by rounding; a voxel is 0.5 spacings.
-    assert np.median(distance) < 1e-3 * SPACING
+    assert np.median(distance) < 1e-2 * SPACING
     assert distance.max() < 0.1 * SPACING
