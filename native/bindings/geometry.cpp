@@ -173,6 +173,7 @@ NB_MODULE(_native, m) {
             return combine(a, b, Combination::kDifference);
           },
           quietly)
+      .def("limited", &limited, "reference"_a, "limit"_a, quietly)
       .def(
           "cut",
           [](const LevelSet& set, const Triple& normal, double offset) {

@@ -125,6 +125,21 @@ LevelSet allocate(double voxel, float background, const BlockMap& met) {
   return set;
 }
 
+namespace {
+
+// Whether one of the 26 blocks around is outside the band; `is_outside(coordinate)`.
+template <typename Outside>
+bool has_outside_neighbour(const BlockCoordinate& at, Outside&& is_outside) {
+  for (int n = 0; n < 27; ++n) {
+    if (is_outside(BlockCoordinate{at.x + n / 9 - 1, at.y + n / 3 % 3 - 1, at.z + n % 3 - 1})) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 void LevelSet::prune() {
   const std::int64_t count = block_count();
   std::vector<std::int32_t> mark(static_cast<std::size_t>(count));
@@ -135,27 +150,36 @@ void LevelSet::prune() {
                                         : *high <= -background ? kInside
                                                                : 0;
   }
+  // Tiles inside do not touch the outside: where phi jumps (a field cut off by its grid's end) a
+  // block of values stays between them, so that every crossing has its block.
+  auto is_outside = [&](const BlockCoordinate& at) {
+    const std::int32_t index = map.find(at);
+    return index == kOutside || (index >= 0 && mark[static_cast<std::size_t>(index)] == kOutside);
+  };
   BlockMap kept;
-  map.for_each([&](const BlockCoordinate& at, std::int32_t index) {
-    if (index == kInside) kept.find_or_insert(at, kInside);
-  });
-  std::int64_t next = 0;
   for (std::int64_t b = 0; b < count; ++b) {
-    const std::int32_t m = mark[static_cast<std::size_t>(b)];
-    if (m == kInside) kept.find_or_insert(blocks[static_cast<std::size_t>(b)], kInside);
-    if (m != 0) continue;
-    if (next != b) {
-      blocks[static_cast<std::size_t>(next)] = blocks[static_cast<std::size_t>(b)];
-      std::copy_n(block(b), kBlock, block(next));
-      if (!weights.empty()) std::copy_n(&weights[b * kBlock], kBlock, &weights[next * kBlock]);
-    }
-    kept.find_or_insert(blocks[static_cast<std::size_t>(next)], static_cast<std::int32_t>(next));
-    ++next;
+    const BlockCoordinate at = blocks[static_cast<std::size_t>(b)];
+    std::int32_t m = mark[static_cast<std::size_t>(b)];
+    if (m == kInside && has_outside_neighbour(at, is_outside)) m = 0;
+    if (m != kOutside) kept.find_or_insert(at, m);
   }
-  blocks.resize(static_cast<std::size_t>(next));
-  values.resize(static_cast<std::size_t>(next) * kBlock);
-  if (!weights.empty()) weights.resize(static_cast<std::size_t>(next) * kBlock);
-  map = std::move(kept);
+  map.for_each([&](const BlockCoordinate& at, std::int32_t index) {
+    if (index != kInside) return;
+    kept.find_or_insert(at, has_outside_neighbour(at, is_outside) ? 0 : kInside);
+  });
+  LevelSet next = allocate(voxel, background, kept);
+  if (!weights.empty()) next.weights.assign(next.values.size(), 1.0f);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t b = 0; b < next.block_count(); ++b) {
+    const std::int32_t old = map.find(next.blocks[static_cast<std::size_t>(b)]);
+    if (old == kInside) {
+      std::fill_n(next.block(b), kBlock, -background);
+    } else {
+      std::copy_n(block(old), kBlock, next.block(b));
+      if (!weights.empty()) std::copy_n(&weights[old * kBlock], kBlock, &next.weights[b * kBlock]);
+    }
+  }
+  *this = std::move(next);
 }
 
 namespace {
@@ -209,6 +233,22 @@ LevelSet combine(const LevelSet& a, const LevelSet& b, Combination how) {
       const float phi =
           how == Combination::kUnion ? std::min(left[o], other) : std::max(left[o], other);
       result[o] = std::clamp(phi, -out.background, out.background);
+    }
+  }
+  out.prune();
+  return out;
+}
+
+LevelSet limited(const LevelSet& set, const LevelSet& reference, float limit) {
+  LevelSet out = reference;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t b = 0; b < out.block_count(); ++b) {
+    float wanted[kBlock];
+    read_block(set, out.blocks[static_cast<std::size_t>(b)], wanted);
+    float* phi = out.block(b);
+    for (int o = 0; o < kBlock; ++o) {
+      const float near = std::clamp(wanted[o], phi[o] - limit, phi[o] + limit);
+      phi[o] = std::clamp(near, -out.background, out.background);
     }
   }
   out.prune();

@@ -40,7 +40,8 @@ struct LevelSet {
 
   double volume() const;
 
-  // Drops blocks that lie wholly outside the band and turns those wholly inside into tiles.
+  // Drops blocks that lie wholly outside the band and turns those wholly inside into tiles, but
+  // for those that touch the outside.
   void prune();
 };
 
@@ -50,6 +51,9 @@ LevelSet allocate(double voxel, float background, const BlockMap& met);
 enum class Combination { kUnion, kIntersection, kDifference };
 
 LevelSet combine(const LevelSet& a, const LevelSet& b, Combination how);
+
+// `set`, but nowhere more than `limit` away from `reference`.
+LevelSet limited(const LevelSet& set, const LevelSet& reference, float limit);
 
 // Moves a level set over its fixed blocks; keeps the table of neighbours and the second array of
 // values between steps. The level set must outlive the flow.

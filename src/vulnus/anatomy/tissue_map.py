@@ -22,10 +22,10 @@ from .parameters import AnatomyParameters
 BONE_TISSUES = (Tissue.BONE, Tissue.CANCELLOUS, Tissue.MARROW)
 SOFT_TISSUES = (Tissue.MUSCLE, Tissue.FAT)
 
-STAIRCASE_SMOOTHING = 0.5
-"""Gaussian on the labels' signed distance [voxels of the labels]: takes off the stairs of the
-voxels. Chosen: half of the 0.75 mm on 0.75 mm voxels that changed outer surface and bone by less
-than 0.1 % (design note on imaging)."""
+STAIR_SMOOTHING = 2.0
+"""Filter that takes off the stairs of the labels' voxels [voxels]. Chosen by looking: 1.5 leaves
+terraces on shallow slopes, 3 rounds the toes. The surfaces are then moved evenly (0.02-0.1 mm) to
+hold the volume of their labels again."""
 
 ARTERY_VOXEL = 0.4e-3
 """Largest voxel of the tubes [m]; chosen: two voxels in the radius of a 0.8 mm artery."""
@@ -119,10 +119,11 @@ def _smooth_surface(
         spacing=labels.spacing,
         direction=labels.direction,
         voxel=voxel,
-        smoothing=STAIRCASE_SMOOTHING * float(labels.spacing.min()),
+        stair_smoothing=STAIR_SMOOTHING,
         half_width=half_width,
     )
-    return level_set.mean_curvature_flow(parameters.smoothing_iterations)
+    smooth = level_set.mean_curvature_flow(parameters.smoothing_iterations)
+    return smooth.with_volume(level_set.volume())
 
 
 def _tube(artery: ArteryCentreline, voxel: float) -> LevelSet:

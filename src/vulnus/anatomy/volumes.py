@@ -22,9 +22,9 @@ PLASTIC_NUMBER = 1.2207440846057596
 """Root of x⁴ = x + 1: its powers give the most even sequence of points in three dimensions that is
 known in closed form (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences")."""
 
-FEWEST_POINTS = 50
-"""Tissues with fewer points than this share the limb's mean volume a point; chosen: below it the
-quotient of volume and count is noise (14 %)."""
+FEWEST_POINTS = 10
+"""Tissues with fewer points than this share the limb's mean volume a point; chosen: their points
+would otherwise differ from the others by more than a third, the chance of so small a count."""
 
 
 @dataclass(frozen=True, slots=True)

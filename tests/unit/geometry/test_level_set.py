@@ -174,6 +174,26 @@ def test_smoothing_a_thin_plate_by_its_distance_deletes_it():
     assert lost.volume() < 0.2 * kept.volume()
 
 
+def test_stairs_go_and_thin_parts_stay():
+    """A shallow slope loses its terraces; a plate of two voxels keeps its volume."""
+    x, y, z = np.meshgrid(*[np.arange(64)] * 3, indexing="ij")
+    grid = {"origin": np.zeros(3), "spacing": np.full(3, H), "direction": np.eye(3)}
+    slope = z < 30 + x / 9.0 + y / 13.0
+    normal = np.array([-1 / 9.0, -1 / 13.0, 1.0])
+
+    def roughness(stair_smoothing):
+        level_set = LevelSet.from_mask(slope, voxel=H, stair_smoothing=stair_smoothing, **grid)
+        vertices = level_set.to_surface().vertices / H
+        middle = (np.abs(vertices - 31.5) < 20).all(axis=1)
+        return np.std(vertices[middle] @ normal / np.linalg.norm(normal))
+
+    assert roughness(0.0) > 0.2  # a step of one voxel: 1/sqrt(12) of it
+    assert roughness(2.0) < 0.3 * roughness(0.0)  # 0.26; the limit of 0.4 voxel leaves some
+    plate = (np.abs(x - 31.5) < 1) & (np.abs(y - 31.5) < 20) & (np.abs(z - 31.5) < 20)
+    kept = LevelSet.from_mask(plate, voxel=0.5 * H, stair_smoothing=2.0, **grid)
+    assert kept.volume() > 0.45 * plate.sum() * H**3  # half a voxel off each side at most
+
+
 def test_slabs_of_the_distance_transform_do_not_show(monkeypatch):
     from vulnus.geometry import signed_distance
 

@@ -48,6 +48,16 @@ def test_cloud_after_flow_is_closed_and_has_no_empty_triangle(is_watertight):
     assert np.linalg.norm(np.cross(b - a, c - a), axis=1).min() > 0.0
 
 
+def test_a_mask_that_reaches_the_end_of_its_grid_is_closed(is_watertight):
+    mask = np.zeros((40, 40, 40), dtype=bool)
+    mask[5:, 8:30, :] = True
+    level_set = LevelSet.from_mask(
+        mask, origin=np.zeros(3), spacing=np.full(3, H), direction=np.eye(3), voxel=H
+    )
+    assert is_watertight(level_set.to_surface())
+    assert is_watertight(level_set.mean_curvature_flow(5).to_surface())
+
+
 def test_sphere_and_torus_have_their_topology(euler_characteristic):
     sphere = LevelSet.from_particles([[0.1, 0.2, 0.3]], 7.3e-3, voxel=H).to_surface()
     angle = np.linspace(0, 2 * np.pi, 200)
