@@ -103,7 +103,7 @@ def render(
     ):
         file = run_directory / "scenario.toml"
         scenario = scenario_from_text(file.read_text(encoding="utf-8"), file=str(file))
-        drawn = draw_again(scenario, store, _progress(console))
+        drawn = draw_again(scenario, store, _progress(console), say=_speaker(console))
     for path in drawn:
         print(path)
 

@@ -7,7 +7,6 @@ import difflib
 import os
 import sys
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,14 @@ from vulnus.core.handoff import (
 )
 from vulnus.core.progress import Progress, SilentProgress
 from vulnus.scenario import Scenario, differences
-from vulnus.storage import RunStore, StageBook, StageReachedError, summarise
+from vulnus.storage import (
+    FrameSeries,
+    RunStore,
+    StageBook,
+    StageReachedError,
+    storage_error,
+    summarise,
+)
 
 STAGES = ("imaging", "anatomy", "injury", "circulation", "hemorrhage", "visualization")
 """The stages in their order; the coupling of tree and blood belongs to hemorrhage."""
@@ -98,26 +104,20 @@ def _follow_the_paper(
     store.write_waveforms(bleeding.waveforms if bleeding else None)
     store.write_ledger(bleeding.ledger if bleeding else None)
     store.write_summary(summarise(wound(), bleeding, book.cost))
-    book.stage(
-        "visualization", tuple, lambda _: _draw(scenario, store, wound(), bleeding, progress)
-    )
+    book.stage("visualization", tuple, lambda _: _draw(scenario, store, progress, say))
     store.write_summary(summarise(wound(), bleeding, book.cost))
 
 
 def draw_again(
-    scenario: Scenario, store: RunStore, progress: Progress | None = None
-) -> tuple[Path, ...]:
+    scenario: Scenario,
+    store: RunStore,
+    progress: Progress | None = None,
+    *,
+    say: Say = lambda _: None,
+) -> tuple[str, ...]:
     """Draw the pictures of the run in `store` again; the files."""
-    wound = store.load_stage("injury", InjuredLimb)
-    if wound is None:
-        raise StorageError(
-            str(store.path),
-            "the run has no finished injury to draw",
-            f"Go on with it first: vulnus run -o {store.path} --resume",
-        )
     use_threads(scenario.threads)
-    bleeding = store.load_stage("hemorrhage", BleedOutcome)
-    return _draw(scenario, store, wound, bleeding, progress or SilentProgress())
+    return _draw(scenario, store, progress or SilentProgress(), say)
 
 
 def check_stage(name: str | None) -> None:
@@ -195,17 +195,43 @@ def _bleed(
     )
 
 
-def _draw(
-    scenario: Scenario,
-    store: RunStore,
-    wound: InjuredLimb,
-    bleeding: BleedOutcome | None,
-    progress: Progress,
-) -> tuple[Path, ...]:
-    """Draw what `scenario.visualization` asks for into the run directory; the files."""
-    if not scenario.visualization.enabled:
-        return ()
-    return ()
+def _draw(scenario: Scenario, store: RunStore, progress: Progress, say: Say) -> tuple[str, ...]:
+    """Draw what the run in `store` has results for, as the scenario asks; the files."""
+    wound = store.load_stage("injury", InjuredLimb)
+    if wound is None:
+        raise StorageError(
+            str(store.path),
+            "the run has no finished injury to draw",
+            f"Go on with it first: vulnus run -o {store.path} --resume",
+        )
+    blood, platform = scenario.hemorrhage, scenario.hemorrhage.platform
+    run = visualization.RunToDraw(
+        wound=wound,
+        surroundings=visualization.Surroundings(
+            gravity=blood.gravity,
+            platform_gap=platform.gap if platform else None,
+            platform_point=platform.point if platform else None,
+            platform_half_extent=platform.half_extent if platform else None,
+        ),
+        labels=store.load_stage("imaging", LabelVolume),
+        beat=store.load_stage("circulation", BleedWaveforms),
+        outcome=store.load_stage("hemorrhage", BleedOutcome),
+        injury_frames=_on_demand(store.wound_frames),
+        bleed_frames=_on_demand(store.bleed_frames) if wound.injuries else (),
+        blood_spacing=blood.particle_spacing,
+    )
+    try:
+        drawn = visualization.draw_all(run, scenario.visualization, store.path, progress)
+    except OSError as trouble:
+        raise storage_error(store.path / "figures", trouble) from trouble
+    for complaint in drawn.complaints:
+        say(f"note: {complaint}")
+    return tuple(str(path) for path in drawn.files)
+
+
+def _on_demand(series: FrameSeries) -> visualization.Frames:
+    indices = list(series.times())
+    return visualization.FramesOnDemand(len(indices), lambda place: series.load(indices[place]))
 
 
 def _describe_cut(wound: InjuredLimb) -> str:

@@ -112,7 +112,7 @@ class Stages:
             (pipeline.injury, "shoot", self.shoot),
             (pipeline.hemorrhage, "prepare", self.prepare),
             (pipeline.coupling, "bleed_out", self.bleed_out),
-            (pipeline, "_draw", self.draw),
+            (pipeline.visualization, "draw_all", self.draw),
         ):
             monkeypatch.setattr(room, name, stage, raising=False)
 
@@ -151,9 +151,12 @@ class Stages:
         self.count("hemorrhage")
         return bleed_outcome()
 
-    def draw(self, *_: Any) -> tuple[Path, ...]:
+    def draw(self, run: Any, *_: Any) -> pipeline.visualization.Drawn:
+        assert run.wound.steps == 100
+        assert len(run.injury_frames) == 3
+        assert run.injury_frames[2].index == 2
         self.count("visualization")
-        return ()
+        return pipeline.visualization.Drawn((Path("figures/flow.png"),), ("no film",))
 
 
 @pytest.fixture

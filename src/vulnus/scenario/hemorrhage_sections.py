@@ -12,6 +12,7 @@ from vulnus.core.constants import STANDARD_GRAVITY
 from vulnus.hemorrhage.parameters import (
     BarrierModel,
     HemorrhageParameters,
+    KernelSet,
     PermeabilityModel,
     PlatformParameters,
     PressureModel,
@@ -69,6 +70,12 @@ class HemorrhageSection(Section):
         "smoothing radius over particle spacing",
         ge=1.2,
         le=4,
+    )
+    kernels: KernelSet = quantity(
+        HemorrhageParameters,
+        "kernels",
+        "",
+        'of the sums: "wendland_c2" for all, or the paper\'s three, "mueller2003"',
     )
     sound_speed_m_per_s: float = quantity(
         HemorrhageParameters,
