@@ -10,6 +10,7 @@ from vulnus.core.progress import Progress, SilentProgress
 from vulnus.geometry import sample_poisson_disk
 from vulnus.geometry.poisson_disk import EXPECTED_DENSITY
 
+from .artery_paths import find_arteries
 from .checks import LOG, check_labels, drop_stray_parts, report_limb
 from .parameters import AnatomyParameters
 from .tissue_map import TissueMap, map_tissues
@@ -44,8 +45,9 @@ def build_limb(
     Where the image cuts the limb (labels on a face of the volume) the limb ends in a plane without
     skin: the surface goes on beyond it when distances are measured, so the cut shows the tissues.
     `surfaces` holds "skin" (the closed outer surface with the cut planes), "bone", "muscle" and
-    one tube for each artery. Raises `AnatomyError` for volumes without bone, without labelled
-    voxels, with several limbs, and for spacings that do not resolve the skin.
+    one tube for each artery. A volume with an artery label and no centre-lines gets them from the
+    label where that works (`find_arteries`). Raises `AnatomyError` for volumes without bone,
+    without labelled voxels, with several limbs, and for spacings that do not resolve the skin.
     """
     progress.begin("anatomy", 100.0, "%")
     check_labels(labels, parameters)
@@ -53,7 +55,7 @@ def build_limb(
     if not (limb_labels.labels == Tissue.SKIN).any():
         LOG.warning("%s: no skin label; the skin is made as a shell", labels.source)
     progress.update(5.0, "surfaces")
-    arteries = limb_labels.arteries
+    arteries = limb_labels.arteries or find_arteries(limb_labels)
     tissues = map_tissues(limb_labels, arteries, parameters)
     limb_volume = tissues.outer.volume()
     expected = EXPECTED_DENSITY * limb_volume / parameters.particle_spacing**3
