@@ -1,4 +1,4 @@
-"""What holds blood back: intact skin, bone, the held ends of the limb, and a platform.
+"""What holds blood back: intact skin, bone, the ends of the limb, and a platform.
 
 Bone and skin "as stationary particles" (Chong 2017, §2.3), but of a watertight solid and at the
 blood's own spacing: material points are too far apart to stop smaller blood particles.
@@ -16,6 +16,7 @@ from vulnus.core.handoff import InjuredLimb, Tissue
 from . import _native
 from .distance_grid import NodeGrid, closed_solid
 from .parameters import HemorrhageParameters, PlatformParameters
+from .skin_bonds import skin_bond_middles
 
 NODE_LIMIT = 24_000_000
 """Nodes of the limb's distance grids; chosen: about 100 MB each. The cell grows to keep it."""
@@ -72,12 +73,10 @@ def opened(
     return np.maximum(solid, np.float32(0.5) * hole)
 
 
-def tissue_solid(
-    wound: InjuredLimb, grid: NodeGrid, whole: BoolArray, tissues: tuple[Tissue, ...]
-) -> Float32Array:
-    """Signed distance [m] of the intact part of some tissues, open where they failed."""
-    chosen = np.isin(wound.tissue, tissues)
-    kept, failed = wound.position[chosen & whole], wound.position[chosen & ~whole]
+def bone_solid(wound: InjuredLimb, grid: NodeGrid, whole: BoolArray) -> Float32Array:
+    """Signed distance [m] of intact bone with its marrow, open where it failed."""
+    bone = np.isin(wound.tissue, BONE_TISSUES)
+    kept, failed = wound.position[bone & whole], wound.position[bone & ~whole]
     solid = closed_solid(grid, kept, wound.spacing)
     return opened(grid, solid, kept, failed, wound.spacing)
 
@@ -88,13 +87,33 @@ def limb_solid(wound: InjuredLimb, grid: NodeGrid, whole: BoolArray) -> Float32A
     return closed_solid(grid, points, wound.spacing)
 
 
-def held_ends(wound: InjuredLimb, grid: NodeGrid, limb: Float32Array, depth: float) -> Float32Array:
-    """Signed distance [m] of caps at the limb's two ends along z: the body goes on there."""
-    z = grid.axis(2)
-    low = float(wound.reference_position[:, 2].min())
-    high = float(wound.reference_position[:, 2].max())
-    to_end = np.minimum(z - (low + depth), (high - depth) - z).astype(np.float32)
-    return np.maximum(limb, to_end[np.newaxis, np.newaxis, :])
+def skin_depth(wound: InjuredLimb, grid: NodeGrid, limb: Float32Array, least: float) -> float:
+    """How far skin reaches below the limb's surface [m], from its points; at least `least`."""
+    points = wound.reference_position[wound.tissue == Tissue.SKIN]
+    if len(points) == 0:
+        return 0.0
+    distance, _ = grid.sample(limb, points)
+    return max(least, float(np.percentile(-distance, 90.0)))
+
+
+def skin_solid(
+    wound: InjuredLimb, grid: NodeGrid, whole: BoolArray, limb: Float32Array, least_depth: float
+) -> Float32Array:
+    """Signed distance [m] of intact skin, watertight although skin is but a point or two thick.
+
+    Skin is what stands of the limb within the skin's depth below its surface: gaps between skin
+    points are closed by the tissue under them, and by bonds of skin that hold where that is gone.
+    It is open where a failed skin point is nearer than any that holds.
+    """
+    skin = wound.tissue == Tissue.SKIN
+    standing = closed_solid(grid, wound.position[whole], wound.spacing)
+    depth = skin_depth(wound, grid, limb, least_depth)
+    solid = np.maximum(standing, -limb - np.float32(depth))
+    sheet = np.concatenate([wound.position[skin & whole], skin_bond_middles(wound, whole)])
+    own = closed_solid(grid, sheet, wound.spacing)
+    np.minimum(solid, own, out=solid)
+    kept, failed = wound.position[whole], wound.position[skin & ~whole]
+    return opened(grid, solid, kept, failed, wound.spacing)
 
 
 def surface_layers(
@@ -123,9 +142,8 @@ def build_barriers(wound: InjuredLimb, parameters: HemorrhageParameters) -> Limb
     whole = intact(wound, parameters)
     grid = limb_grid(wound, whole, dx)
     limb = limb_solid(wound, grid, whole)
-    barrier = tissue_solid(wound, grid, whole, (Tissue.SKIN,))
-    np.minimum(barrier, tissue_solid(wound, grid, whole, BONE_TISSUES), out=barrier)
-    np.minimum(barrier, held_ends(wound, grid, limb, 2.0 * dx), out=barrier)
+    barrier = skin_solid(wound, grid, whole, limb, 1.5 * dx)
+    np.minimum(barrier, bone_solid(wound, grid, whole), out=barrier)
     # Distances by whole voxels have steps; a little smoothing gives them a direction.
     barrier = gaussian_filter(barrier, 0.7, mode="nearest", truncate=3.0)
     layer_count = int(np.ceil(parameters.smoothing_ratio))

@@ -10,10 +10,10 @@ from vulnus.core.arrays import AnyArray, Float32Array, FloatArray
 
 from . import _native
 
-CLOSING_REACH = 1.5
-"""Gaps between material points of a solid are closed where no place in them is farther than this
-from a point, over the points' spacing. Chosen: a Poisson-disk set leaves gaps up to 1, unbroken
-skin stretches them to 1.5 (ultimate stretch 1.54, PHYSICS §1.1); wider ones are holes."""
+CLOSING_REACH = 2.0
+"""Radius of the closing of a solid's material points over their spacing. With `SOLID_RADIUS` it
+closes gaps up to 1.4 spacings from the nearest point. Chosen: a Poisson-disk set leaves gaps up to
+1, unbroken skin stretches them to 1.5 (ultimate stretch 1.54, PHYSICS §1.1); wider are holes."""
 
 SOLID_RADIUS = 0.6
 """How far a solid extends beyond its outermost points, over their spacing. Chosen: half the mean

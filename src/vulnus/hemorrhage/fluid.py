@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -14,8 +13,7 @@ from vulnus.core.constants import BLOOD_DENSITY, BLOOD_VISCOSITY
 from vulnus.core.errors import UnstableStepError
 
 from . import _native
-
-KernelSet = Literal["mueller2003", "wendland_c2"]
+from .parameters import KernelSet
 
 CHUNK_WALL_TIME = 0.15
 """Wall time of one native call [s]; chosen: Ctrl-C is answered between calls."""
@@ -49,7 +47,7 @@ class FluidParameters:
     """A weakly compressible fluid as particles; SI. Fields as in `HemorrhageParameters`."""
 
     particle_spacing: float
-    smoothing_ratio: float = 2.0
+    smoothing_ratio: float = 2.3
     sound_speed: float = 30.0
     density: float = BLOOD_DENSITY
     viscosity: float = BLOOD_VISCOSITY
@@ -84,10 +82,10 @@ class FluidParameters:
         settings.clamped = self.pressure_clamped and not self.as_printed
         settings.as_printed = self.as_printed
         settings.dissipation = 0.0 if self.as_printed else self.dissipation
-        paper = self.kernels == "mueller2003"
+        paper = self.kernels == "mueller2003" or self.as_printed
         sums = _native.lattice_sums_mueller2003 if paper else _native.lattice_sums_wendland_c2
         whole, others, gradient, laplacian = sums(self.smoothing_length, self.particle_spacing)
-        settings.kernels = getattr(_native.KernelSet, self.kernels.upper())
+        settings.kernels = _native.KernelSet.MUELLER2003 if paper else _native.KernelSet.WENDLAND_C2
         if self.as_printed:
             settings.rest_density = self.density * others
         else:

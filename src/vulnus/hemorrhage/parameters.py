@@ -10,6 +10,7 @@ from vulnus.core.constants import BLOOD_DENSITY, BLOOD_VISCOSITY, STANDARD_GRAVI
 
 PermeabilityModel = Literal["kozeny_carman", "constant"]
 PressureModel = Literal["clamped", "unclamped"]
+KernelSet = Literal["wendland_c2", "mueller2003"]
 BarrierModel = Literal["damage", "presence"]
 
 
@@ -36,8 +37,12 @@ class HemorrhageParameters:
     particle_spacing: float = 1.5e-3
     """Rest spacing dx of blood particles [m]; one stands for dx³ of blood. Chosen: 3 s of
     bleeding in about a minute; the paper's scale is 0.75-1 mm (PHYSICS §4.6)."""
-    smoothing_ratio: float = 2.0
-    """Smoothing radius h of the kernels (their cut-off) over dx (PHYSICS §4.1b: 2-2.5)."""
+    smoothing_ratio: float = 2.3
+    """Smoothing radius h of the kernels (their cut-off) over dx (PHYSICS §4.1b: 2-2.5); chosen:
+    about 50 neighbours, at which a column at rest is calmest."""
+    kernels: KernelSet = "wendland_c2"
+    """One kernel for all sums, or "mueller2003": the paper's three, whose density and pressure
+    kernels do not belong to one energy, so that blood at rest jitters at 0.1 m/s."""
     sound_speed: float = 30.0
     """Numerical speed of sound c0 [m/s]; k = c0² in eq. (7). At least 10 times the largest speed
     and √(p/0.01ρ), 35 m/s at 100 mmHg (PHYSICS §4.1)."""
@@ -70,8 +75,9 @@ class HemorrhageParameters:
     pressure_model: PressureModel = "clamped"
     """Whether eq. (7) may be negative (attraction, the paper's stand-in for surface tension)."""
     as_printed: bool = False
-    """Equations (3), (6), (7) as the paper prints them: ε on the pressure gradient, no self term,
-    constant K, pressure unclamped. The signs of (5) and (10) are corrected in either case."""
+    """Equations (3), (5)-(7) as the paper prints them: its three kernels, ε on the pressure
+    gradient, no self term, constant K, pressure unclamped. The signs of (5) and (10) are corrected
+    in either case."""
     courant_number: float = 0.25
     """Δt = courant_number · 0.65 h / (c0 + |v|max) (PHYSICS §4.1b)."""
     removal_distance: float = 0.10

@@ -30,6 +30,7 @@ def fluid_parameters(parameters: HemorrhageParameters) -> FluidParameters:
         particle_spacing=parameters.particle_spacing,
         smoothing_ratio=parameters.smoothing_ratio,
         sound_speed=parameters.sound_speed,
+        kernels=parameters.kernels,
         density=parameters.density,
         viscosity=parameters.viscosity,
         courant_number=parameters.courant_number,

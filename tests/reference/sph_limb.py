@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vulnus.core.handoff import InjuredArtery, InjuredLimb, ShotLine, Tissue, VesselInjury
-from vulnus.hemorrhage.scene import box_lattice
+from vulnus.hemorrhage import _native
 
 RADIUS = 0.03
 HALF_LENGTH = 0.04
@@ -24,9 +24,9 @@ def wounded_limb(
 ) -> InjuredLimb:
     """A limb along z with its tract along y = -8 mm from -x (entry) to +x (exit)."""
     rng = np.random.default_rng(seed)
-    low, high = (-RADIUS, -RADIUS, -HALF_LENGTH), (RADIUS, RADIUS, HALF_LENGTH)
-    points = box_lattice(low, high, 1.15 * spacing)
-    points += rng.uniform(-0.2, 0.2, points.shape) * spacing
+    high = np.array([RADIUS, RADIUS, HALF_LENGTH])
+    darts = rng.uniform(-high, high, (int(30 * 8 * high.prod() / spacing**3), 3))
+    points = darts[_native.thin_points(darts, spacing)]
     r = np.hypot(points[:, 0], points[:, 1])
     points, r = points[r < RADIUS], r[r < RADIUS]
     tissue = np.full(len(points), Tissue.MUSCLE, dtype=np.uint8)
@@ -53,20 +53,41 @@ def wounded_limb(
     artery = np.stack([np.full(41, 0.0), np.full(41, -8e-3), line], axis=1)
     artery_damage = np.clip((1.5 * tract_radius - np.abs(line)) / tract_radius, 0.0, 1.0)
     injury = VesselInjury(
-        artery="anterior_tibial", arc_length=HALF_LENGTH, arc_fraction=0.5, gap=2 * tract_radius,
-        lumen_radius=1.3e-3, position=(0.0, -8e-3, 0.0),
-        position_proximal=(0.0, -8e-3, tract_radius), position_distal=(0.0, -8e-3, -tract_radius),
-        axis_proximal=(0.0, 0.0, -1.0), axis_distal=(0.0, 0.0, 1.0),
+        artery="anterior_tibial",
+        arc_length=HALF_LENGTH,
+        arc_fraction=0.5,
+        gap=2 * tract_radius,
+        lumen_radius=1.3e-3,
+        position=(0.0, -8e-3, 0.0),
+        position_proximal=(0.0, -8e-3, tract_radius),
+        position_distal=(0.0, -8e-3, -tract_radius),
+        axis_proximal=(0.0, 0.0, -1.0),
+        axis_distal=(0.0, 0.0, 1.0),
     )
     shot = ShotLine(
-        entry_point=(-RADIUS, -8e-3, 0.0), exit_point=(RADIUS, -8e-3, 0.0),
-        direction=(1.0, 0.0, 0.0), diameter=2 * tract_radius, speed=300.0,
+        entry_point=(-RADIUS, -8e-3, 0.0),
+        exit_point=(RADIUS, -8e-3, 0.0),
+        direction=(1.0, 0.0, 0.0),
+        diameter=2 * tract_radius,
+        speed=300.0,
     )
     return InjuredLimb(
-        position=deformed.astype(np.float32), reference_position=points.astype(np.float32),
-        tissue=tissue, volume=volume, damage=damage.astype(np.float32), spacing=spacing,
-        arteries=(InjuredArtery("anterior_tibial", artery, artery, np.full(41, 1.3e-3), artery_damage),),
-        injuries=(injury,), shot=shot, entry_area=np.pi * tract_radius**2,
-        exit_area=np.pi * tract_radius**2, time=1e-3, steps=100, particle_steps_per_second=1e6,
-        surfaces={}, side="left",
+        position=deformed.astype(np.float32),
+        reference_position=points.astype(np.float32),
+        tissue=tissue,
+        volume=volume,
+        damage=damage.astype(np.float32),
+        spacing=spacing,
+        arteries=(
+            InjuredArtery("anterior_tibial", artery, artery, np.full(41, 1.3e-3), artery_damage),
+        ),
+        injuries=(injury,),
+        shot=shot,
+        entry_area=np.pi * tract_radius**2,
+        exit_area=np.pi * tract_radius**2,
+        time=1e-3,
+        steps=100,
+        particle_steps_per_second=1e6,
+        surfaces={},
+        side="left",
     )
