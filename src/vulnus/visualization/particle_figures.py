@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_REACH = 0.06  # m along the limb on each side of the shot; chosen: the paper's Fig. 2
+_REACH = 0.055  # m along the limb on each side of the shot; chosen: the paper's Fig. 2
+_AHEAD = 0.075  # m behind the limb that the side view shows, where torn tissue flies
 
 
 def passage_figure(wound: InjuredLimb, frames: Sequence[ParticleFrame]) -> Figure:
@@ -28,20 +29,14 @@ def passage_figure(wound: InjuredLimb, frames: Sequence[ParticleFrame]) -> Figur
     The side view shows the half of the limb behind the shot, so that the tract can be seen.
     """
     rows = max(1, len(frames))
-    figure = new_figure(7.0, 2.9 * rows)
-    grid = figure.subplots(rows, 2, squeeze=False)
+    figure = new_figure(8.6, 3.0 * rows)
+    grid = figure.subplots(rows, 2, squeeze=False, width_ratios=[1.65, 1.0])
     for row, frame in zip(grid, frames, strict=False):
         points, reference = points_in_passage(frame, wound)
         shot_side_view(row[0], wound, points, reference, time=frame.time)
         shot_back_view(row[1], wound, points)
-        row[0].text(
-            0.02,
-            0.98,
-            f"t = {frame.time / MILLISECOND:.2f} ms",
-            transform=row[0].transAxes,
-            va="top",
-            color=INK,
-        )
+        text = f"t = {frame.time / MILLISECOND:.2f} ms"
+        row[0].text(0.99, 0.97, text, transform=row[0].transAxes, ha="right", va="top", color=INK)
     bare_axes(grid[0, 0], "side, cut open")
     bare_axes(grid[0, 1], "back (exit)")
     return figure
@@ -61,6 +56,8 @@ def shot_side_view(
     behind = (reference - middle) @ across
     shown = (behind < 0.0) & (behind > -3.0 * wound.spacing)
     draw_points(axes, points.only(shown), middle, flight, upward)
+    ends = (np.array([wound.shot.entry_point, wound.shot.exit_point]) - middle) @ flight
+    axes.set_xlim((ends.min() - 0.02) / MILLIMETRE, (ends.max() + _AHEAD) / MILLIMETRE)
     if time is not None:
         from matplotlib.patches import Circle
 
@@ -68,7 +65,8 @@ def shot_side_view(
         start = (np.asarray(wound.shot.entry_point) - middle) @ flight
         place = float(start + wound.shot.speed * time - radius) / MILLIMETRE
         height = float((np.asarray(wound.shot.entry_point) - middle) @ upward) / MILLIMETRE
-        axes.add_patch(Circle((place, height), radius / MILLIMETRE, color="#30343a", zorder=3))
+        ball = Circle((place, height), radius / MILLIMETRE, color="#30343a", zorder=3)
+        axes.add_patch(ball)
     bare_axes(axes)
 
 
@@ -99,14 +97,16 @@ def draw_points(
     )
     offset, tissue, damage = offset[order], tissue[order], damage[order]
     x, y = offset @ right / MILLIMETRE, offset @ upward / MILLIMETRE
-    size = 0.9 * (points.spacing / MILLIMETRE) ** 2
+    # Disks as wide as 1.3 spacings where the height of the axes is about 2.8 inches.
+    points_per_metre = 2.8 * 72.0 / (2.0 * _REACH)
+    size = (1.3 * points.spacing * points_per_metre) ** 2
     axes.scatter(
         x,
         y,
         s=size,
         c=point_colours(tissue, damage),
-        edgecolors=(0.15, 0.1, 0.1, 0.25),
-        linewidths=0.12,
+        edgecolors=(0.2, 0.1, 0.05, 0.55),
+        linewidths=0.25,
         rasterized=True,
     )
     axes.set_facecolor("white")
@@ -157,7 +157,7 @@ def slices_figure(labels: LabelVolume, *, count: int = 6) -> Figure:
     return figure
 
 
-def draw_slice(axes: Axes, labels: LabelVolume, index: int) -> None:
+def draw_slice(axes: Axes, labels: LabelVolume, index: int, *, titled: bool = True) -> None:
     """One axial slice [mm] in the renderer's tissue colours, anterior up."""
     from matplotlib.colors import ListedColormap
 
@@ -182,4 +182,4 @@ def draw_slice(axes: Axes, labels: LabelVolume, index: int) -> None:
         extent=(*extent, *depth),
     )
     place = labels.origin[2] + labels.direction[2, 2] * labels.spacing[2] * index
-    bare_axes(axes, f"z = {place / MILLIMETRE:.0f} mm")
+    bare_axes(axes, f"z = {place / MILLIMETRE:.0f} mm" if titled else "")

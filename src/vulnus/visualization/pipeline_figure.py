@@ -57,7 +57,7 @@ def pipeline_figure(stations: PipelineStations) -> Figure:
 def _labels_station(axes: Axes, labels: LabelVolume | None) -> None:
     if labels is not None:
         occupied = np.flatnonzero(np.any(labels.labels > 0, axis=(0, 1)))
-        draw_slice(axes, labels, int(occupied[int(0.62 * (len(occupied) - 1))]))
+        draw_slice(axes, labels, int(occupied[int(0.62 * (len(occupied) - 1))]), titled=False)
     bare_axes(axes)
     _name(axes, 1, "imaging: labelled voxels")
 
@@ -121,7 +121,9 @@ def _blood_station(axes: Axes, stations: PipelineStations) -> None:
     plane = np.stack([corners @ flight, corners @ upward], axis=-1)[seen] / MILLIMETRE
     from matplotlib.collections import PolyCollection
 
-    axes.add_collection(PolyCollection(list(plane), facecolors=shade[seen], rasterized=True))
+    axes.add_collection(
+        PolyCollection(list(plane), facecolors=shade[seen], edgecolors="face", linewidths=0.3)
+    )
     axes.autoscale_view()
     axes.set_aspect("equal")
     bare_axes(axes)

@@ -21,6 +21,8 @@ from .variant import load_mitsuba
 _GUIDES = "albedo:albedo,normal:sh_normal,place:position"
 _PATH_DEPTH = 5  # chosen: a sixth bounce changes no pixel by more than a grey level
 _RIM_OPACITY, _RIM_POWER = 0.80, 2.0  # chosen by eye: a clear outline, a clear view inside
+_RAW_OPACITY = 0.72  # chosen by eye: solid, yet the blood behind it shows
+_RAW_TINT = (0.62, 0.06, 0.05)  # chosen: light through raw flesh is deep red, not grey
 _FLESH_GAIN, _FLESH_TINT = (1.5, 1.05, 0.95), (1.0, 0.87, 0.82)  # chosen: warm, not grey
 _SLAB_THICKNESS = 0.008  # m, chosen: a pane
 _SAME_GUIDE = 1e-3  # far above rounding, far below what two materials differ by
@@ -98,15 +100,19 @@ def blend(front: LightImage, back: LightImage, opacity: float, camera: Camera) -
     """`front` over `back` as if it were translucent flesh, in linear light; guides blend alike.
 
     Like a hand before a lamp, the front layer closes where it is seen at a grazing angle: its
-    weight grows from `opacity` towards its rim, and what lies behind it takes on its warmth.
+    weight grows from `opacity` towards its rim, and what lies behind it takes on its warmth. Raw
+    flesh and blood in an open wound stay solid, so that the wound is seen as a wound.
     Pixels that see the same thing in both pictures (same seed, hence equal guides) are averaged;
     only shadows and mirror images differ there.
     """
     unlike = np.abs(front.albedo - back.albedo) + np.abs(front.normal - back.normal)
     covered = np.max(unlike, axis=-1, keepdims=True) > _SAME_GUIDE
-    weight = np.where(covered, rim_weight(front.normal, camera, opacity), 0.5)
+    raw = _rawness(front.albedo)
+    shown = np.maximum(rim_weight(front.normal, camera, opacity), _RAW_OPACITY * raw)
+    weight = np.where(covered, shown, 0.5)
     gain = np.where(covered, np.asarray(_FLESH_GAIN), 1.0)
-    tint = np.where(covered, np.asarray(_FLESH_TINT), 1.0)
+    flesh = (1.0 - raw) * np.asarray(_FLESH_TINT) + raw * np.asarray(_RAW_TINT)
+    tint = np.where(covered, flesh, 1.0)
 
     def mix(a: AnyArray, b: AnyArray) -> Float32Array:
         return np.asarray(weight * a + (1.0 - weight) * b, dtype=np.float32)
@@ -125,6 +131,13 @@ def rim_weight(normal: Float32Array, camera: Camera, opacity: float) -> Float32A
     rim = np.clip(1.0 - facing, 0.0, 1.0) ** _RIM_POWER
     rim = np.where(length > 1e-3, rim, 0.0)
     return np.asarray(opacity + (_RIM_OPACITY - opacity) * rim, dtype=np.float32)
+
+
+def _rawness(albedo: Float32Array) -> Float32Array:
+    """How much (h, w, 1) a pixel shows red, wet flesh: skin and bone reflect far more green."""
+    red, green = albedo[..., 0:1], albedo[..., 1:2]
+    raw = np.clip((0.24 - green) / 0.13, 0.0, 1.0) * np.clip((red - 0.05) / 0.05, 0.0, 1.0)
+    return np.asarray(raw, dtype=np.float32)
 
 
 def develop(image: LightImage, parameters: VisualizationParameters) -> FloatArray:

@@ -14,6 +14,7 @@ from .picture import side_by_side
 from .render import Layer, Renderer, blend, develop
 from .surface import TissuePoints, tissue_surface
 
+_EXIT_ROOM = 0.009  # m of free space behind the exit, where its rim bulges
 GAP = 2  # px between two panels
 
 
@@ -22,12 +23,13 @@ def wound_view(renderer: Renderer, view: LimbView) -> FloatArray:
     parameters = renderer.parameters
     width = (parameters.width - 2 * GAP) // 3
     widths = (width, parameters.width - 2 * GAP - 2 * width, width)
-    shot = view.wound.shot
+    wound, height = view.wound, parameters.height
+    shot = wound.shot
     flight = unit(shot.direction)
     cameras = (
-        _close_camera(view, shot.entry_point, -flight, (widths[0], parameters.height)),
-        section_camera(view, widths[1], parameters.height),
-        _close_camera(view, shot.exit_point, flight, (widths[2], parameters.height)),
+        _close_camera(view, shot.entry_point, -flight, (widths[0], height), wound.entry_area),
+        section_camera(view, widths[1], height),
+        _close_camera(view, shot.exit_point, flight, (widths[2], height), wound.exit_area),
     )
     layers = (view.outside, section_layers(view), view.outside)
     names = ("entry", "section along the shot", "exit")
@@ -72,37 +74,36 @@ def bleed_cameras(view: LimbView, shown: AnyArray, width: int, height: int) -> l
     ]
 
 
-def _close_radius(view: LimbView) -> float:
-    """Radius [m] of a close view: four holes wide, from 14 to 35 mm."""
-    area = max(view.wound.entry_area, view.wound.exit_area)
-    return float(np.clip(4.0 * np.sqrt(area / np.pi), 0.014, 0.035))
-
-
 def _close_camera(
-    view: LimbView, point: Vector3, outward: FloatArray, size: tuple[int, int]
+    view: LimbView, point: Vector3, outward: FloatArray, size: tuple[int, int], area: float
 ) -> Camera:
+    """A slanting view on a hole of `area` [m²], twice as wide as it and its torn rim."""
+    radius = float(np.clip(2.4 * np.sqrt(area / np.pi) + 0.008, 0.016, 0.07))
     across = unit(np.cross(view.long_axis, outward))
     toward = unit(outward + 0.30 * across + 0.18 * view.long_axis)
     up = view.up if abs(float(view.up @ toward)) < 0.9 else view.long_axis
-    return frame_sphere(
-        point, _close_radius(view), toward_camera=toward, up=up, width=size[0], height=size[1]
-    )
+    return frame_sphere(point, radius, toward_camera=toward, up=up, width=size[0], height=size[1])
 
 
 def section_camera(view: LimbView, width: int, height: int) -> Camera:
     """A view on the plane of the shot and the limb's long axis, as wide as the wound's tract."""
     flight, normal, middle, reach = _section_plane(view)
+    middle = middle + _EXIT_ROOM * flight
     along = view.long_axis
     up = along if float(along @ view.up) >= 0.0 else -along
     up = unit(up - float(up @ normal) * normal)
     toward = unit(normal + 0.10 * flight + 0.10 * up)
+    reach = reach + _EXIT_ROOM
     return frame_sphere(middle, reach, toward_camera=toward, up=up, width=width, height=height)
 
 
-def section_layers(view: LimbView, frame: ParticleFrame | None = None) -> list[Layer]:
+def section_layers(
+    view: LimbView, frame: ParticleFrame | None = None, *, voxel_ratio: float = 0.5
+) -> list[Layer]:
     """The limb cut open along the shot, as it is in a `frame` of the passage or at its end.
 
-    With a frame the projectile is drawn too, at its place at that time.
+    With a frame the projectile is drawn too, at its place at that time. `voxel_ratio` is the
+    mesh's voxel over the limb's spacing.
     """
     wound = view.wound
     _, normal, middle, reach = _section_plane(view)
@@ -114,7 +115,7 @@ def section_layers(view: LimbView, frame: ParticleFrame | None = None) -> list[L
     place = reference - middle.astype(np.float32)
     near = (np.abs(place @ view.long_axis) < 3.0 * reach) & (place @ normal < 4.0 * wound.spacing)
     points = points.only(near & (points.tissue != Tissue.AIR))
-    level_set = points.level_set().cut(triple(normal), float(normal @ middle))
+    level_set = points.level_set(voxel_ratio).cut(triple(normal), float(normal @ middle))
     return [Layer(tissue_surface(points, level_set), "tissue"), *layers]
 
 
