@@ -34,7 +34,7 @@ class RandomNumbers {
 
 // Points around a place, relative to it, in vectors of eight; padded by points far away.
 struct Neighbourhood {
-  static constexpr int kLargest = 160;  // closest packing within 2.1 spacings holds fewer than 110
+  static constexpr int kLargest = 160;  // closest packing within 2.05 spacings holds fewer than 105
   alignas(64) float x[kLargest], y[kLargest], z[kLargest];
   int count = 0;
 

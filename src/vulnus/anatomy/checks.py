@@ -115,8 +115,11 @@ def report_limb(labels: LabelVolume, limb: LimbModel) -> None:
         name = change.tissue.name.lower()
         if change.tissue in BONE_TISSUES and change.in_labels > 0.0 and change.in_limb == 0.0:
             LOG.warning("%s: no material point lies in its %s", labels.source, name)
+        # The skin's volume follows from the thickness asked for, so a change is no surprise.
+        surprising = change.in_labels > 0.0 and change.tissue != Tissue.SKIN
+        changed = surprising and abs(change.change_fraction) > NOTED_CHANGE
         LOG.log(
-            logging.WARNING if abs(change.change_fraction) > NOTED_CHANGE else logging.INFO,
+            logging.WARNING if changed else logging.INFO,
             "%s: %s has %.1f ml in the labels and %.1f ml in the limb",
             labels.source,
             name,

@@ -1,4 +1,8 @@
-"""Poisson-disk points inside a level set, by Bridson's method (2007)."""
+"""Poisson-disk points inside a level set, by Bridson's method (2007).
+
+Candidates are thrown nearer to their parent than in the paper (1 to 1.05 spacings, not 1 to 2),
+which fills space to 0.71 instead of 0.58 points a cubic spacing.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +17,8 @@ from vulnus.core.progress import Progress, SilentProgress
 from . import _native
 from .level_set import LevelSet
 
-EXPECTED_DENSITY = 0.7
-"""Points times spacing³ over volume that Bridson's method reaches (measured 0.70-0.74)."""
+EXPECTED_DENSITY = 0.71
+"""Points times spacing³ over volume, measured; a little more in thin parts (surfaces crowd)."""
 
 PARENTS_PER_CALL = 20_000
 """Points worked on in one native call; about 0.1 s, so that Ctrl-C is answered."""

@@ -28,8 +28,8 @@ def test_no_two_points_are_nearer_than_the_spacing(ball, spacing):
 def test_density_is_that_of_a_full_set(ball):
     spacing = 0.4e-3
     points = sample_poisson_disk(ball, spacing=spacing, seed=1)
-    # 0.72 inside (Bridson's own shell: 0.58; uniform sequential addition ends at 0.733).
-    assert 0.70 < len(points) * spacing**3 / ball.volume() < 0.75
+    # 0.71 inside (Bridson's own shell: 0.58; uniform sequential addition ends at 0.733).
+    assert 0.69 < len(points) * spacing**3 / ball.volume() < 0.75
 
 
 def test_no_hole_could_take_another_point(ball):
@@ -39,7 +39,7 @@ def test_no_hole_could_take_another_point(ball):
     places = ball.bounds[0] + rng.uniform(size=(60_000, 3)) * (ball.bounds[1] - ball.bounds[0])
     places = places[ball.sample(places) < 0.0]
     gap = cKDTree(points).query(places)[0]
-    # 30 candidates a point leave a few slivers: under 1 % of places, none wider than 1.4 spacings.
+    # 20 candidates a point leave a few slivers: under 1 % of places, none wider than 1.4 spacings.
     assert (gap > spacing).mean() < 0.01
     assert gap.max() < 1.4 * spacing
 
