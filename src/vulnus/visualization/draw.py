@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..core.errors import RenderError
 from ..core.handoff import (
@@ -26,6 +28,9 @@ from .pipeline_figure import PipelineStations, pipeline_figure
 from .render import Renderer
 from .stills import bleed_view, wound_view
 from .surface import blood_surface, empty_surface
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _PASSAGE_ROWS = 4  # chosen: as many instants as the paper's Fig. 2 shows
 _FILM_VOXEL_RATIO = 0.9  # chosen: at 640 px a coarser mesh cannot be told from a fine one
@@ -73,9 +78,7 @@ def draw_all(
     files: list[Path] = []
     complaints: list[str] = []
     figures = directory / "figures"
-    bar.begin("figures", 1.0, "set")
-    files += draw_figures(run, parameters, figures)
-    bar.end()
+    files += draw_figures(run, parameters, figures, bar)
     picture: Picture | None = None
     blood = last_blood(run, parameters)
     if parameters.stills or parameters.film.enabled:
@@ -102,30 +105,38 @@ def draw_all(
 
 
 def draw_figures(
-    run: RunToDraw, parameters: VisualizationParameters, directory: Path
+    run: RunToDraw, parameters: VisualizationParameters, directory: Path, bar: Progress
 ) -> list[Path]:
     """The curves, slices and point views that this run has the results for; their files."""
-    dots = parameters.figure_dots_per_inch
-    artery = run.wound.severed_segment or "anterior_tibial"
+    wanted = _possible_figures(run)
     written = []
-    if run.beat is not None:
-        figure = cycle_figure(run.beat, artery=artery)
-        written.append(save_figure(figure, directory / "cycle.png", dots))
-    if run.outcome is not None:
-        for name, figure in (
-            ("flow.png", flow_figure(run.outcome)),
-            ("pressure.png", pressure_figure(run.outcome, artery=artery)),
-            ("blood_loss.png", ledger_figure(run.outcome.ledger)),
-        ):
-            written.append(save_figure(figure, directory / name, dots))
+    bar.begin("figures", len(wanted), "figures")
+    for name, make in wanted.items():
+        dots = parameters.figure_dots_per_inch
+        written.append(save_figure(make(), directory / f"{name}.png", dots))
+        bar.update(len(written))
+    bar.end()
+    return written
+
+
+def _possible_figures(run: RunToDraw) -> dict[str, Callable[[], Figure]]:
+    artery = run.wound.severed_segment or "anterior_tibial"
+    beat, outcome, labels = run.beat, run.outcome, run.labels
+    figures: dict[str, Callable[[], Figure]] = {}
+    if beat is not None:
+        figures["cycle"] = lambda: cycle_figure(beat, artery=artery)
+    if outcome is not None:
+        figures["flow"] = lambda: flow_figure(outcome)
+        figures["pressure"] = lambda: pressure_figure(outcome, artery=artery)
+        figures["blood_loss"] = lambda: ledger_figure(outcome.ledger)
     if len(run.injury_frames) > 0:
         chosen = spread_indices(len(run.injury_frames), _PASSAGE_ROWS)
-        frames = [run.injury_frames[index] for index in chosen]
-        figure = passage_figure(run.wound, frames)
-        written.append(save_figure(figure, directory / "passage.png", dots))
-    if run.labels is not None:
-        written.append(save_figure(slices_figure(run.labels), directory / "slices.png", dots))
-    return written
+        figures["passage"] = lambda: passage_figure(
+            run.wound, [run.injury_frames[index] for index in chosen]
+        )
+    if labels is not None:
+        figures["slices"] = lambda: slices_figure(labels)
+    return figures
 
 
 def last_blood(run: RunToDraw, parameters: VisualizationParameters) -> TriangleSurface:
@@ -143,12 +154,14 @@ def _draw_stills(
     directory: Path,
     bar: Progress,
 ) -> tuple[list[Path], Picture]:
+    bleeds = blood.triangles.shape[0] > 0
+    bar.begin("stills", 2.0 if bleeds else 1.0, "pictures")
+    renderer.on_pass = lambda: bar.update(0.0)
     view = view_limb(run.wound, run.surroundings)
-    bar.begin("stills", 2.0, "pictures")
     picture = to_srgb(wound_view(renderer, view))
     files = [write_png(directory / "wound.png", picture)]
-    bar.update(1.0)
-    if blood.triangles.shape[0] > 0:
+    if bleeds:
+        renderer.on_pass = lambda: bar.update(1.0)
         picture = to_srgb(bleed_view(renderer, view, blood))
         files.append(write_png(directory / "bleeding.png", picture))
     bar.end()

@@ -45,7 +45,7 @@ def flow_figure(outcome: BleedOutcome) -> Figure:
         axes.stairs(means, edges, color=AORTA, linewidth=1.4, label="mean of each beat")
     style_axes(axes, x="time [s]", y="rate of blood loss [ml/min]", title="flow out of the artery")
     _fit_time(axes, waves.time)
-    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    axes.set_ylim(min(0.0, axes.get_ylim()[0]), 1.12 * axes.get_ylim()[1])
     axes.legend(frameon=False, fontsize=9, ncols=2, loc="upper right")
     return figure
 

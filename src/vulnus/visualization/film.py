@@ -216,6 +216,7 @@ def make_film(
 
     def pictures() -> Iterator[Picture]:
         done = 0
+        renderer.on_pass = lambda: bar.update(done)
         for (drawn, duration), chosen in zip(parts, (passage, bleeding), strict=True):
             shown = hold(list(range(len(chosen))), round(duration * film.frames_per_second))
             for index, picture in enumerate(drawn):

@@ -22,7 +22,7 @@ _SHOULDER = 0.78  # chosen: linear below, smooth roll-off of highlights above
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
     """Let `write` fill a neighbouring temporary file, then rename it to `path` in one step."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
     try:
         write(partial)
         os.replace(partial, path)

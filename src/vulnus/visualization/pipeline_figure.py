@@ -110,6 +110,7 @@ def _blood_station(axes: Axes, stations: PipelineStations) -> None:
         axes.text(0.5, 0.5, "no artery is cut", ha="center", transform=axes.transAxes)
         return
     flight, upward, across = shot_axes(stations.wound)
+    _draw_outline(axes, stations.wound)
     corners = blood.vertices[blood.triangles] - shot_middle(stations.wound)
     order = np.argsort(corners.mean(axis=1) @ across)
     corners = corners[order]
@@ -134,12 +135,25 @@ def _blood_station(axes: Axes, stations: PipelineStations) -> None:
             axes.text(0.02, 0.02, text, transform=axes.transAxes, fontsize=8, color=INK)
 
 
+def _draw_outline(axes: Axes, wound: InjuredLimb) -> None:
+    """The skin's points in a slab about the shot, pale, so that the blood has its place."""
+    flight, upward, across = shot_axes(wound)
+    middle = shot_middle(wound)
+    offset = wound.position - middle
+    slab = (wound.tissue == Tissue.SKIN) & (np.abs(offset @ across) < 3.0 * wound.spacing)
+    slab &= np.abs(offset @ upward) < 0.055
+    x, y = offset[slab] @ flight / MILLIMETRE, offset[slab] @ upward / MILLIMETRE
+    near = np.abs(x) < 1.6 * np.median(np.abs(x)) if x.size else slab[:0]
+    axes.scatter(x[near], y[near], s=5.0, color="#e3c2b1", linewidths=0.0)
+
+
 def _picture_station(axes: Axes, stations: PipelineStations) -> None:
-    _name(axes, 6, "visualization: ray-traced picture")
     bare_axes(axes)
     if stations.picture is not None:
+        _name(axes, 6, "visualization: ray-traced picture")
         axes.imshow(stations.picture)
         return
+    _name(axes, 6, "visualization: points of the skin")
     skin = stations.wound.tissue == Tissue.SKIN
     points = TissuePoints.of(stations.wound).only(skin)
     flight, upward, across = shot_axes(stations.wound)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +25,8 @@ _RAW_OPACITY = 0.72  # chosen by eye: solid, yet the blood behind it shows
 _RAW_TINT = (0.62, 0.06, 0.05)  # chosen: light through raw flesh is deep red, not grey
 _FLESH_GAIN, _FLESH_TINT = (1.5, 1.05, 0.95), (1.0, 0.87, 0.82)  # chosen: warm, not grey
 _SLAB_THICKNESS = 0.008  # m, chosen: a pane
+_PATHS_A_PASS = 1_500_000  # about a second on two cores
+_SEED_STRIDE = 7919  # a prime: passes of neighbouring seeds share no random numbers
 _SAME_GUIDE = 1e-3  # far above rounding, far below what two materials differ by
 _MEDIUM_DEPTH = 14  # chosen: as red as VISUALIZATION.md's 40 bounces to the eye, at half the cost
 
@@ -157,10 +159,19 @@ class Arrangement:
 
 
 class Renderer:
-    """One Mitsuba variant with the meshes that it has taken in; make one a process and keep it."""
+    """One Mitsuba variant with the meshes that it has taken in; make one a process and keep it.
 
-    def __init__(self, parameters: VisualizationParameters) -> None:
+    `on_pass` is called about once a second while a picture is traced; Ctrl-C is answered then.
+    """
+
+    def __init__(
+        self,
+        parameters: VisualizationParameters,
+        *,
+        on_pass: Callable[[], None] = lambda: None,
+    ) -> None:
         self.parameters = parameters
+        self.on_pass = on_pass
         self.mitsuba = load_mitsuba(parameters.renderer)
         self._meshes: dict[tuple[int, Material], tuple[TriangleSurface, Any]] = {}
 
@@ -188,15 +199,21 @@ class Renderer:
         self, arranged: Arrangement, camera: Camera, *, samples: int, part: Part | None = None
     ) -> LightImage:
         """Trace one picture, or a `part` of it, with `samples` paths a pixel and one seed."""
-        mitsuba = self.mitsuba
-        traced = mitsuba.render(
-            arranged.scene,
-            sensor=mitsuba.load_dict(_sensor(mitsuba, camera, part)),
-            integrator=arranged.integrator,
-            spp=samples,
-            seed=self.parameters.seed,
-        )
-        channels = np.nan_to_num(np.array(traced, dtype=np.float32))
+        sensor = self.mitsuba.load_dict(_sensor(self.mitsuba, camera, part))
+        pixels = part.width * part.height if part else camera.width * camera.height
+        shares = split_samples(samples, pixels)
+        channels = np.zeros(1, np.float32)
+        for index, share in enumerate(shares):
+            traced = self.mitsuba.render(
+                arranged.scene,
+                sensor=sensor,
+                integrator=arranged.integrator,
+                spp=share,
+                seed=self.parameters.seed + _SEED_STRIDE * index,
+            )
+            light = np.nan_to_num(np.array(traced, dtype=np.float32))
+            channels = channels + np.float32(share / samples) * light
+            self.on_pass()
         if arranged.platform is not None and arranged.platform.half_extent is None:
             covered = np.maximum(channels[..., 3:4], 1e-3)  # places are premultiplied like light
             place = channels[..., 10:13] / covered
@@ -214,6 +231,12 @@ class Renderer:
         if key not in self._meshes:
             self._meshes[key] = (layer.surface, _build_mesh(self.mitsuba, layer))
         return self._meshes[key][1]
+
+
+def split_samples(samples: int, pixels: int) -> list[int]:
+    """Samples a pixel of each pass over a picture, so that no pass lasts much over a second."""
+    passes = max(1, min(samples, -(-samples * pixels // _PATHS_A_PASS)))
+    return [samples // passes + (index < samples % passes) for index in range(passes)]
 
 
 def _integrator(*, has_medium: bool) -> dict[str, Any]:

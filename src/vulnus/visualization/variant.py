@@ -87,5 +87,15 @@ def load_mitsuba(renderer: Renderer) -> Any:
     except ImportError as error:
         raise RenderError("mitsuba", f"the ray tracer does not load ({error})", ADVICE) from error
     mitsuba.set_variant(variant)
+    _use_threads()
     mitsuba.set_log_level(mitsuba.LogLevel.Error)
     return mitsuba
+
+
+def _use_threads() -> None:
+    """Give the tracer as many threads as the native loops have; pictures do not depend on it."""
+    count = os.environ.get("OMP_NUM_THREADS", "0")
+    if count.isdecimal() and int(count) > 0:
+        import drjit
+
+        drjit.set_thread_count(int(count))

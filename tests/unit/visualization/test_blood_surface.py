@@ -73,11 +73,11 @@ def test_velocity_of_a_translation_arrives_on_every_vertex() -> None:
 
 
 def test_surface_moves_with_its_particles_by_whole_voxels() -> None:
+    rng = np.random.default_rng(11)  # off the lattice, where equally near particles would tie
+    points = ball(3e-3) + 0.1 * SPACING * rng.standard_normal((len(ball(3e-3)), 3))
     shift = np.array([7, -3, 11]) * 0.5 * SPACING
-    first = blood_surface(ball(3e-3), SPACING, BloodSurfaceParameters())
-    moved = blood_surface(ball(3e-3) + shift, SPACING, BloodSurfaceParameters())
-    assert moved.vertices.shape == first.vertices.shape
+    first = blood_surface(points, SPACING, BloodSurfaceParameters())
+    moved = blood_surface(points + shift, SPACING, BloodSurfaceParameters())
     distance, _ = cKDTree(moved.vertices - shift).query(first.vertices)
-    # Ties between equally near particles of a lattice fall by rounding; a voxel is 0.5 spacings.
-    assert np.median(distance) < 1e-2 * SPACING
-    assert distance.max() < 0.1 * SPACING
+    # Positions pass through float32: 1e-9 m here; a vertex off its place is off by a voxel.
+    assert distance.max() < 1e-2 * SPACING

@@ -115,6 +115,17 @@ def test_nothing_is_drawn_where_it_is_switched_off(wound, tmp_path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_passes_add_up_to_the_samples_and_stay_short() -> None:
+    from vulnus.visualization.render import split_samples
+
+    assert split_samples(16, 160 * 90) == [16]
+    for samples, pixels in ((16, 960 * 540), (7, 960 * 540), (1, 4000 * 4000)):
+        shares = split_samples(samples, pixels)
+        assert sum(shares) == samples
+        assert min(shares) >= 1
+        assert max(shares) == 1 or max(shares) * pixels < 2_000_000
+
+
 def test_llvm_that_does_not_work_falls_back_or_complains(monkeypatch) -> None:
     pytest.importorskip("mitsuba", reason="Mitsuba is not installed (vulnus[render])")
     monkeypatch.setattr("vulnus.visualization.variant.llvm_works", lambda: False)
