@@ -177,11 +177,11 @@ def test_gravity_as_a_vector_has_the_standard_strength() -> None:
 
 def test_differences_name_the_keys_that_change_a_number() -> None:
     demo = scenario_text("demo")
-    other = demo.replace("duration_s = 3.0", "duration_s = 4.0", 1).replace(
+    other = demo.replace("duration_s = 3.0", "duration_s = 4.5", 1).replace(
         "threads = 0", "threads = 1"
     )
     assert other != demo
-    assert differences(demo, other) == ["coupling.duration_s was 3.0, now 4.0"]
+    assert differences(demo, other) == ["coupling.duration_s was 3.0, now 4.5"]
     assert differences(demo, demo.replace('title = "', 'title = "My ')) == []
 
 
