@@ -195,10 +195,10 @@ def summary_rows(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "cut artery", artery.replace("_", " ") if artery else "none"
         yield "entry wound", _shown(wound.get("entry_area_mm2"), "mm²")
         yield "exit wound", _shown(wound.get("exit_area_mm2"), "mm²")
-    if bleeding.get("duration_s") is not None:
-        volumes = [_shown(bleeding[name], "ml") for name in ("injected_ml", "out_of_limb_ml")]
-        duration = _shown(bleeding["duration_s"], "s")
-        yield "blood lost", f"{volumes[0]} in {duration}, {volumes[1]} of it out of the limb"
+    if bleeding.get("duration_s"):
+        outside = _shown(bleeding["out_of_limb_ml"] + bleeding["removed_ml"], "ml")
+        lost, duration = _shown(bleeding["injected_ml"], "ml"), _shown(bleeding["duration_s"], "s")
+        yield "blood lost", f"{lost} in {duration}, {outside} of it out of the limb"
         first = _shown(bleeding["mean_flow_first_beat_ml_per_min"], "ml/min")
         last = _shown(bleeding["mean_flow_last_beat_ml_per_min"], "ml/min")
         yield "flow", f"{first} in the first beat, {last} in the last"

@@ -134,7 +134,7 @@ def test_a_shot_away_from_vessels_cuts_none_and_ends_well(
     assert "cut no artery" in capsys.readouterr().err
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["wound"]["severed_segment"] is None
-    assert summary["bleeding"]["injected_ml"] is None
+    assert summary["bleeding"]["injected_ml"] == 0.0
 
 
 def test_a_full_disk_in_the_middle_loses_nothing_that_was_finished(tmp_path: Path) -> None:

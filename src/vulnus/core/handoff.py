@@ -244,7 +244,8 @@ class BleedOutcome:
     """The result of the bleeding stage: signals, ledger and what the solver counted.
 
     `barrier_crossings` counts blood particles that got through intact skin, bone or the platform;
-    `mean_flow_per_beat` (beats,) [m³/s].
+    `mean_flow_per_beat` (beats,) [m³/s], of the whole beats; of the whole run where it is shorter
+    than one beat.
     """
 
     waveforms: BleedWaveforms

@@ -123,7 +123,7 @@ class BleedingRun:
             self.samples += 1
         if stop.frame:
             self.frames += 1
-        if stop.beat or stop.end:
+        if stop.beat or (stop.end and not self.log.mean_flow):
             elapsed = stop.time - self.beat.start
             self.log.mean_flow.append((self.injected - self.injected_before) / elapsed)
         if stop.beat and not stop.end:

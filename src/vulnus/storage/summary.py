@@ -23,7 +23,9 @@ def summarise(
     bleeding: BleedOutcome | None,
     cost: Mapping[str, Mapping[str, float]],
 ) -> dict[str, Any]:
-    """`wound`, `bleeding` and `cost`; null where nothing was cut or a value is not known.
+    """`wound`, `bleeding` and `cost`; null where a value is not known.
+
+    Where nothing was cut, `severed_segment` is null and nothing bled: volumes and flows are 0.
 
     `cost` maps a stage to its `wall` [s] and `peak_memory` [byte].
     """
@@ -89,7 +91,7 @@ def _bleeding(outcome: BleedOutcome | None) -> dict[str, Any]:
         "steps",
     )
     if outcome is None:
-        return dict.fromkeys(keys)
+        return {key: None if key.startswith(("mean_pressure", "beat")) else 0 for key in keys}
     ledger, waves, beats = outcome.ledger, outcome.waveforms, outcome.mean_flow_per_beat
     volumes = (ledger.injected, ledger.in_limb, ledger.out_of_limb, ledger.removed, ledger.pending)
     values = (
