@@ -27,9 +27,7 @@ with stopped_by_signals(lambda number: sys.stderr.write(f"last words {number}"))
 """
 
 
-@pytest.mark.parametrize("work", ["busy_in_python", "busy_in_native_code"])
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_the_process_within_a_second(work: str, number: signal.Signals) -> None:
+def seconds_until_it_ends(work: str, number: signal.Signals) -> float:
     process = subprocess.Popen(
         [sys.executable, "-c", PROGRAM.replace("WORK", work)],
         stdout=subprocess.PIPE,
@@ -42,10 +40,17 @@ def test_a_signal_ends_the_process_within_a_second(work: str, number: signal.Sig
     begun = time.monotonic()
     process.send_signal(number)
     _, said = process.communicate(timeout=20)
-    # 0.7 s of grace and the start of an idle thread; 2 s leave room for a busy machine.
-    assert time.monotonic() - begun < 2.0
+    elapsed = time.monotonic() - begun
     assert f"last words {int(number)}" in said
     assert process.returncode != 0
+    return elapsed
+
+
+@pytest.mark.parametrize("work", ["busy_in_python", "busy_in_native_code"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_process_within_a_second(work: str, number: signal.Signals) -> None:
+    # 0.7 s of grace and the start of an idle thread; the best of three on a busy machine
+    assert any(seconds_until_it_ends(work, number) < 1.0 for _ in range(3))
 
 
 def test_handlers_are_as_before_behind_the_block() -> None:
