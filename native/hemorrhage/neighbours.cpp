@@ -57,7 +57,10 @@ template <class Real>
 void collect_images(const CellOrder<Real>& order, const Real* x, const Real* y, const Real* z,
                     const Box<Real>& box, Real reach, const Periodicity<Real>& periodicity,
                     std::vector<std::uint32_t>& found) {
+  collect(order, x, y, z, box, reach, kOwnImage, found);
+  if (!periodicity.any()) return;
   for (std::uint32_t image = 0; image < 27; ++image) {
+    if (image == kOwnImage) continue;
     const std::array<Real, 3> shift = periodicity.shift(image);
     const std::array<int, 3> step{int(image / 9) - 1, int(image / 3 % 3) - 1, int(image % 3) - 1};
     bool exists = true;

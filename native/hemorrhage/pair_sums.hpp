@@ -13,6 +13,13 @@
 
 namespace vulnus::hemorrhage {
 
+// GCC's tuning for some processors stops at half of the widest registers that they have.
+#if defined(__AVX512F__) && defined(__GNUC__) && !defined(__clang__)
+#define VULNUS_WIDE __attribute__((target("prefer-vector-width=512"), noinline))
+#else
+#define VULNUS_WIDE
+#endif
+
 inline constexpr std::size_t kLanes = 16;
 inline std::size_t padded(std::size_t n) { return (n + kLanes - 1) / kLanes * kLanes; }
 
@@ -53,8 +60,8 @@ struct CandidateBuffer {
 
 // Sum of eq. (6) without the mass and the kernel's factor.
 template <class Real, class Kernels>
-inline Real density_sum(const Kernels& kernels, const CandidateBuffer<Real>& b, std::size_t n,
-                        Real xi, Real yi, Real zi) {
+VULNUS_WIDE Real density_sum(const Kernels& kernels, const CandidateBuffer<Real>& b, std::size_t n,
+                             Real xi, Real yi, Real zi) {
   const Real *bx = b.x, *by = b.y, *bz = b.z, *bw = b.weight;
   Real sum = 0;
 #pragma omp simd reduction(+ : sum) aligned(bx, by, bz, bw : 64)
@@ -85,9 +92,9 @@ struct PairConstants {
 };
 
 template <class Real, class Kernels>
-inline void blood_forces(const Kernels& kernels, const CandidateBuffer<Real>& b, std::size_t n,
-                         const Probe<Real>& i, const PairConstants<Real>& c,
-                         PairForces<Real>& out) {
+VULNUS_WIDE void blood_forces(const Kernels& kernels, const CandidateBuffer<Real>& b, std::size_t n,
+                              const Probe<Real>& i, const PairConstants<Real>& c,
+                              PairForces<Real>& out) {
   const Real *bx = b.x, *by = b.y, *bz = b.z, *bw = b.weight;
   const Real *bu = b.vx, *bv = b.vy, *bs = b.vz, *bp = b.p_over_rho2, *bi = b.inverse_density;
   Real px = 0, py = 0, pz = 0, qx = 0, qy = 0, qz = 0;
@@ -112,15 +119,18 @@ inline void blood_forces(const Kernels& kernels, const CandidateBuffer<Real>& b,
   out.viscous_x += qx, out.viscous_y += qy, out.viscous_z += qz;
 }
 
-// A barrier's particles press back with the pressure they were given and stand still (no slip).
+// A barrier's particles press back with the pressure they were given. They stand still, but
+// friction sees their mirrored velocity, so that blood stands still at the barrier's face (no
+// slip).
 template <class Real, class Kernels>
-inline void barrier_forces(const Kernels& kernels, const CandidateBuffer<Real>& b, std::size_t n,
-                           const Probe<Real>& i, const PairConstants<Real>& c,
-                           PairForces<Real>& out) {
+VULNUS_WIDE void barrier_forces(const Kernels& kernels, const CandidateBuffer<Real>& b,
+                                std::size_t n, const Probe<Real>& i, const PairConstants<Real>& c,
+                                PairForces<Real>& out) {
   const Real *bx = b.x, *by = b.y, *bz = b.z, *bw = b.weight;
-  const Real *bp = b.p_over_rho2, *bi = b.inverse_density;
-  Real px = 0, py = 0, pz = 0, q = 0;
-#pragma omp simd reduction(+ : px, py, pz, q) aligned(bx, by, bz, bw, bp, bi : 64)
+  const Real *bu = b.vx, *bv = b.vy, *bs = b.vz, *bp = b.p_over_rho2, *bi = b.inverse_density;
+  Real px = 0, py = 0, pz = 0, qx = 0, qy = 0, qz = 0;
+#pragma omp simd reduction(+ : px, py, pz, qx, qy, qz) \
+    aligned(bx, by, bz, bw, bu, bv, bs, bp, bi : 64)
   for (std::size_t k = 0; k < n; ++k) {
     const Real dx = i.x - bx[k], dy = i.y - by[k], dz = i.z - bz[k];
     const Real r2 = dx * dx + dy * dy + dz * dz + c.tiny_r2;
@@ -131,23 +141,31 @@ inline void barrier_forces(const Kernels& kernels, const CandidateBuffer<Real>& 
         dissipation_zhang2017(closing, c.dissipation, c.sound_speed, c.inverse_rest_density);
     const Real p =
         pressure_pair(bw[k], i.p_over_rho2, bp[k], shock, kernels.gradient_over_r(r, inverse_r));
-    q += viscosity_pair(bw[k], bi[k], kernels.laplacian(r));
+    const Real q = viscosity_pair(bw[k], bi[k], kernels.laplacian(r));
     px += p * dx, py += p * dy, pz += p * dz;
+    qx += q * (bu[k] - i.vx), qy += q * (bv[k] - i.vy), qz += q * (bs[k] - i.vz);
   }
   out.pressure_x += px, out.pressure_y += py, out.pressure_z += pz;
-  out.viscous_x -= q * i.vx, out.viscous_y -= q * i.vy, out.viscous_z -= q * i.vz;
+  out.viscous_x += qx, out.viscous_y += qy, out.viscous_z += qz;
 }
 
-// Sums over blood around a barrier particle: kernel weights, and pressure continued to it from each
-// neighbour, p_j + rho0 g.(r_b - r_j), weighted likewise. `p_over_rho2` of the buffer holds p_j
-// here.
+// Sums over blood around a barrier particle, each weighted by the kernel: the weights, the pressure
+// continued to it from each neighbour, p_j + rho0 g.(r_b - r_j), and the velocity. `p_over_rho2` of
+// the buffer holds p_j here.
+template <class Real>
+struct MirrorSums {
+  Real weight = 0, pressure = 0, vx = 0, vy = 0, vz = 0;
+};
+
 template <class Real, class Kernels>
-inline void mirror_sums(const Kernels& kernels, const CandidateBuffer<Real>& b, std::size_t n,
-                        Real xb, Real yb, Real zb, const PairConstants<Real>& c, Real& weight,
-                        Real& pressure) {
+VULNUS_WIDE MirrorSums<Real> mirror_sums(const Kernels& kernels, const CandidateBuffer<Real>& b,
+                                         std::size_t n, Real xb, Real yb, Real zb,
+                                         const PairConstants<Real>& c) {
   const Real *bx = b.x, *by = b.y, *bz = b.z, *bw = b.weight, *bp = b.p_over_rho2;
-  Real sum = 0, sum_p = 0;
-#pragma omp simd reduction(+ : sum, sum_p) aligned(bx, by, bz, bw, bp : 64)
+  const Real *bu = b.vx, *bv = b.vy, *bs = b.vz;
+  Real sum = 0, sum_p = 0, sum_u = 0, sum_v = 0, sum_s = 0;
+#pragma omp simd reduction(+ : sum, sum_p, sum_u, sum_v, sum_s) \
+    aligned(bx, by, bz, bw, bp, bu, bv, bs : 64)
   for (std::size_t k = 0; k < n; ++k) {
     const Real dx = xb - bx[k], dy = yb - by[k], dz = zb - bz[k];
     const Real share = density_share(bw[k], kernels.density(dx * dx + dy * dy + dz * dz));
@@ -155,9 +173,11 @@ inline void mirror_sums(const Kernels& kernels, const CandidateBuffer<Real>& b, 
         mirrored_pressure(bp[k], c.rest_density, c.gx * dx + c.gy * dy + c.gz * dz);
     sum += share;
     sum_p += interpolation_share(continued, share, Real(1));
+    sum_u += interpolation_share(bu[k], share, Real(1));
+    sum_v += interpolation_share(bv[k], share, Real(1));
+    sum_s += interpolation_share(bs[k], share, Real(1));
   }
-  weight = sum;
-  pressure = sum_p;
+  return {sum, sum_p, sum_u, sum_v, sum_s};
 }
 
 }  // namespace vulnus::hemorrhage

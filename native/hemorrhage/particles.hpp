@@ -18,7 +18,8 @@ struct Particles {
   std::vector<std::int32_t> id;
   std::vector<std::uint8_t> in_limb;
   // Derived each step or at each neighbour search.
-  std::vector<Real> p_over_rho2, inverse_density, ax, ay, az;
+  std::vector<Real> inverse_density, ax, ay, az;
+  std::vector<Real> place, motion;  // x y z weight, vx vy vz p/rho^2 of each, side by side
   std::vector<Real> porosity, drag, clearance;
 
   std::size_t size() const { return x.size(); }
@@ -40,9 +41,20 @@ struct Particles {
   }
 
   void resize_derived() {
-    for (auto* a : {&p_over_rho2, &inverse_density, &ax, &ay, &az, &porosity, &drag, &clearance}) {
+    for (auto* a : {&inverse_density, &ax, &ay, &az, &porosity, &drag, &clearance}) {
       a->resize(size());
     }
+    place.resize(4 * size());
+    motion.resize(4 * size());
+  }
+
+  void pack(std::size_t i) {
+    place[4 * i] = x[i], place[4 * i + 1] = y[i], place[4 * i + 2] = z[i];
+    place[4 * i + 3] = weight[i];
+    motion[4 * i] = vx[i], motion[4 * i + 1] = vy[i], motion[4 * i + 2] = vz[i];
+  }
+  void pack_all() {
+    for (std::size_t i = 0; i < size(); ++i) pack(i);
   }
 
   void append(Real px, Real py, Real pz, Real ux, Real uy, Real uz, Real share, std::int32_t name) {
@@ -68,7 +80,7 @@ struct Particles {
   std::size_t memory_bytes() {
     std::size_t bytes = 0;
     each_kept([&bytes](auto& a) { bytes += a.capacity() * sizeof(a[0]); });
-    return bytes + 8 * p_over_rho2.capacity() * sizeof(Real);
+    return bytes + 15 * inverse_density.capacity() * sizeof(Real);
   }
 };
 
@@ -77,8 +89,10 @@ struct Particles {
 template <class Real>
 struct BarrierParticles {
   std::vector<Real> x, y, z, weight;
-  std::vector<Real> pressure;                      // kept from step to step
-  std::vector<Real> p_over_rho2, inverse_density;  // derived each step where blood is near
+  std::vector<Real> pressure;  // kept from step to step
+  // x y z weight, and mirrored vx vy vz p/rho^2, side by side; motion and density are derived each
+  // step where blood is near.
+  std::vector<Real> place, motion, inverse_density;
   std::vector<std::int32_t> cell;
   std::size_t size() const { return x.size(); }
 };

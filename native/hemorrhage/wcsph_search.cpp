@@ -58,7 +58,8 @@ void WcsphSolver<Real>::weigh_barrier(const Kernels& kernels) {
   const Real h = kernels.h;
   barrier_.weight.resize(n);
   barrier_.pressure.assign(n, 0);
-  barrier_.p_over_rho2.assign(n, 0);
+  barrier_.place.resize(4 * n);
+  barrier_.motion.assign(4 * n, 0);
   barrier_.inverse_density.assign(n, Real(1.0 / settings.density));
   for (std::size_t b = 0; b < n; ++b) {
     const Real x = barrier_.x[b], y = barrier_.y[b], z = barrier_.z[b];
@@ -71,6 +72,8 @@ void WcsphSolver<Real>::weigh_barrier(const Kernels& kernels) {
       }
     });
     barrier_.weight[b] = std::min(Real(1), Real(1) / (sum * factor));
+    const Real values[4] = {x, y, z, barrier_.weight[b]};
+    std::copy(values, values + 4, barrier_.place.begin() + static_cast<std::ptrdiff_t>(4 * b));
   }
 }
 
@@ -117,6 +120,7 @@ void WcsphSolver<Real>::order_particles() {
   }
   radix_order(keys_, permutation_, n ? order_.key_limit() : 0);
   particles.permute(permutation_);
+  particles.pack_all();
   particles.built_x = particles.x;
   particles.built_y = particles.y;
   particles.built_z = particles.z;
@@ -169,6 +173,7 @@ template <class Real>
 void WcsphSolver<Real>::resume() {
   particles.resize_derived();
   if (stale) return;
+  particles.pack_all();
   index_cells();
   sample_fields();
   Real moved2 = 0;

@@ -109,7 +109,8 @@ class WcsphSolver {
   void fetch_blood(const CellBatch& batch, std::int32_t cell, CandidateBuffer<Real>& buffer,
                    std::size_t n, bool with_motion) const;
   void fetch_barrier(const CellBatch& batch, std::int32_t cell, CandidateBuffer<Real>& buffer,
-                     std::size_t offset, std::size_t n) const;
+                     std::size_t offset, std::size_t n, bool with_motion) const;
+  void mirror_at(std::int32_t b, const MirrorSums<Real>& sums, Real share);
   PairConstants<Real> pair_constants() const;
   void merge(const std::vector<Largest>& parts);
   void locate_fault();
