@@ -164,7 +164,7 @@ def passage_pictures(
     camera = section_camera(view, film.width, film.height)
     for frame in (frames[index] for index in chosen):
         layers = section_layers(view, frame, voxel_ratio=_PASSAGE_VOXEL_RATIO)
-        arranged = renderer.arrange(layers, view.studio, camera)
+        arranged = renderer.arrange(layers, view.studio_for(camera), camera)
         light = renderer.render(arranged, camera, samples=film.samples)
         for layer in layers:
             renderer.forget(layer.surface)

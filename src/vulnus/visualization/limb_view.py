@@ -64,7 +64,10 @@ class LimbView:
     def whole_camera(self, points: AnyArray, width: int, height: int) -> Camera:
         """A view from the side on the limb and `points` (n, 3) [m]."""
         elevation = _STANDING_ELEVATION if self.is_upright else _LYING_ELEVATION
-        shown = np.concatenate([self.tissue.vertices, np.asarray(points).reshape(-1, 3)])
+        parts = [self.tissue.vertices, np.asarray(points).reshape(-1, 3)]
+        if self.studio.platform is not None:
+            parts.append(self.studio.platform.corners)
+        shown = np.concatenate(parts)
         return frame_points(
             shown,
             toward_camera=self.side(elevation),
@@ -72,6 +75,10 @@ class LimbView:
             width=width,
             height=height,
         )
+
+    def studio_for(self, camera: Camera) -> Studio:
+        """The studio without ground, upright for `camera`: for views of the limb by itself."""
+        return replace(self.studio, up=camera.up, platform=None)
 
     def side(self, elevation: float) -> FloatArray:
         """The direction towards a viewer beside the limb, unit vector (3,)."""
@@ -96,6 +103,7 @@ def view_limb(
     radius = float(np.max(np.linalg.norm(tissue.vertices - centre, axis=1)))
     offset = tissue.vertices - tissue.vertices.mean(axis=0)
     long_axis = np.linalg.eigh((offset.T @ offset).astype(np.float64))[1][:, -1]
+    long_axis = long_axis if long_axis[2] >= 0.0 else -long_axis  # towards the body, as z is
     platform = place_platform(wound, surroundings, up, radius)
     return LimbView(
         wound=wound,

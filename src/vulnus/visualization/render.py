@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..core.arrays import AnyArray, Float32Array, FloatArray, Vector3
+from ..core.errors import RenderError
 from ..core.handoff import TriangleSurface
 from .camera import Camera, unit
 from .denoise import denoise
@@ -50,6 +51,21 @@ class Platform:
     normal: Vector3
     radius: float
     half_extent: float | None = None
+
+    @property
+    def axes(self) -> FloatArray:
+        """Rows: two unit vectors along the slab's sides, and the normal, (3, 3)."""
+        normal = unit(self.normal)
+        side = unit(np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))]))
+        return np.stack([side, np.cross(normal, side), normal])
+
+    @property
+    def corners(self) -> FloatArray:
+        """Corners (4, 3) [m] of the slab's face; (0, 3) for a floor without end."""
+        if self.half_extent is None:
+            return np.zeros((0, 3))
+        signs = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
+        return np.asarray(self.point) + self.half_extent * signs @ self.axes[:2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,14 +220,8 @@ class Renderer:
         shares = split_samples(samples, pixels)
         channels = np.zeros(1, np.float32)
         for index, share in enumerate(shares):
-            traced = self.mitsuba.render(
-                arranged.scene,
-                sensor=sensor,
-                integrator=arranged.integrator,
-                spp=share,
-                seed=self.parameters.seed + _SEED_STRIDE * index,
-            )
-            light = np.nan_to_num(np.array(traced, dtype=np.float32))
+            seed = self.parameters.seed + _SEED_STRIDE * index
+            light = self._trace(arranged, sensor, share, seed)
             channels = channels + np.float32(share / samples) * light
             self.on_pass()
         if arranged.platform is not None and arranged.platform.half_extent is None:
@@ -220,6 +230,27 @@ class Renderer:
             channels[..., :10] *= _fade(place, arranged.platform)
         behind = backdrop(camera.width, camera.height, self.parameters.background)
         return _before_backdrop(channels, behind if part is None else part.of(behind))
+
+    def _trace(self, arranged: Arrangement, sensor: Any, samples: int, seed: int) -> Float32Array:
+        """One pass; tried twice, for another process may be writing the same compiled program."""
+        trouble: BaseException | None = None
+        for _ in range(2):
+            try:
+                traced = self.mitsuba.render(
+                    arranged.scene,
+                    sensor=sensor,
+                    integrator=arranged.integrator,
+                    spp=samples,
+                    seed=seed,
+                )
+                return np.nan_to_num(np.array(traced, dtype=np.float32))
+            except RuntimeError as error:
+                trouble = error.__cause__ or error
+        advice = (
+            "Draw again with: vulnus render RUN; where it stays, set DRJIT_CACHE_DIR to an empty "
+            "directory or renderer = 'scalar'"
+        )
+        raise RenderError("mitsuba", f"a picture could not be traced ({trouble})", advice)
 
     def forget(self, surface: TriangleSurface) -> None:
         """Drop the mesh of a surface that will not be drawn again."""
@@ -306,12 +337,9 @@ def _build_mesh(mitsuba: Any, layer: Layer) -> Any:
 def _platform(mitsuba: Any, platform: Platform) -> dict[str, Any]:
     """A floor, or a slab with one side across the patient's axis that lies nearest to its face."""
     transform = mitsuba.ScalarTransform4f
-    point, normal = np.asarray(platform.point), unit(platform.normal)
-    least = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    point, axes = np.asarray(platform.point), platform.axes
     pose = transform().look_at(
-        origin=point.tolist(),
-        target=(point + normal).tolist(),
-        up=unit(np.cross(normal, least)).tolist(),
+        origin=point.tolist(), target=(point + axes[2]).tolist(), up=axes[0].tolist()
     )
     look = {"type": "twosided", "bsdf": surface_model("platform")}
     if platform.half_extent is None:

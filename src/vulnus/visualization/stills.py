@@ -35,7 +35,7 @@ def wound_view(renderer: Renderer, view: LimbView) -> FloatArray:
     names = ("entry", "section along the shot", "exit")
     panels = []
     for name, camera, shown in zip(names, cameras, layers, strict=True):
-        arranged = renderer.arrange(shown, view.studio, camera)
+        arranged = renderer.arrange(shown, view.studio_for(camera), camera)
         light = renderer.render(arranged, camera, samples=parameters.samples)
         picture = write_text(develop(light, parameters), name)
         panels.append(scale_bar(picture, camera, length=0.01))
@@ -90,7 +90,7 @@ def section_camera(view: LimbView, width: int, height: int) -> Camera:
     flight, normal, middle, reach = _section_plane(view)
     middle = middle + _EXIT_ROOM * flight
     along = view.long_axis
-    up = along if float(along @ view.up) >= 0.0 else -along
+    up = -along if float(along @ view.up) < -0.5 else along  # a lying limb is shown proximal up
     up = unit(up - float(up @ normal) * normal)
     toward = unit(normal + 0.10 * flight + 0.10 * up)
     reach = reach + _EXIT_ROOM

@@ -115,6 +115,27 @@ def test_nothing_is_drawn_where_it_is_switched_off(wound, tmp_path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_a_tracer_that_fails_once_is_tried_again_and_then_named(view, monkeypatch) -> None:
+    pytest.importorskip("mitsuba", reason="Mitsuba is not installed (vulnus[render])")
+    from vulnus.visualization.render import Renderer
+
+    renderer = Renderer(SMALL)
+    real, failures = renderer.mitsuba.render, [RuntimeError("busy")]
+
+    def fail_first(*rest, **named):
+        if failures:
+            raise failures.pop()
+        return real(*rest, **named)
+
+    monkeypatch.setattr(renderer.mitsuba, "render", fail_first)
+    camera = view.whole_camera(np.zeros((0, 3)), 16, 16)
+    arranged = renderer.arrange(view.inside, view.studio, camera)
+    assert renderer.render(arranged, camera, samples=1).colour.shape == (16, 16, 3)
+    failures += [RuntimeError("busy"), RuntimeError("busy")]
+    with pytest.raises(RenderError, match=r"could not be traced \(busy\)"):
+        renderer.render(arranged, camera, samples=1)
+
+
 def test_passes_add_up_to_the_samples_and_stay_short() -> None:
     from vulnus.visualization.render import split_samples
 
