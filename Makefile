@@ -5,7 +5,6 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 NATIVE := $(shell find native -type f 2>/dev/null) CMakeLists.txt
-RUN ?= runs/demo
 
 .DEFAULT_GOAL := help
 .PHONY: help demo demo-short test bench lint docs clean
@@ -13,7 +12,7 @@ RUN ?= runs/demo
 help:
 	@echo "vulnus: from a leg's CT scan to the blood on the floor"
 	@echo ""
-	@echo "  make demo    shoot a leg and let it bleed: pictures, film, curves, numbers in $(RUN)"
+	@echo "  make demo    shoot a leg and let it bleed: pictures, film, curves, numbers in runs/"
 	@echo "  make test    run the tests"
 	@echo "  make lint    style, types, import contracts, spelling, equation map"
 	@echo "  make bench   measure the solvers"
@@ -54,7 +53,7 @@ $(VENV)/.docs: $(VENV)/.vulnus
 	@touch $@
 
 demo: $(VENV)/.vulnus
-	$(BIN)/vulnus demo -o $(RUN)
+	$(BIN)/vulnus demo
 
 demo-short: $(VENV)/.vulnus
 	rm -rf build/demo-short
