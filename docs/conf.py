@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version as package_version
+import vulnus
 
 project = "vulnus"
 author = "The vulnus developers"
-version = release = package_version("vulnus")
+version = release = vulnus.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinxcontrib.bibtex"]
 bibtex_bibfiles = ["theory/refs.bib"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
