@@ -19,7 +19,7 @@ LINE_INTERVAL = 5.0
 """Wall time [s] between two lines where no bar can be drawn; chosen: a log stays readable."""
 SHORT_STAGE = 2.0
 """Stages shorter than this [s] leave no line behind."""
-GRACE = 0.7
+GRACE = 0.5
 """Wall time [s] that a native call may still take after Ctrl-C before the process just ends;
 nothing is lost then, because every file is written whole or not at all."""
 

@@ -49,7 +49,7 @@ def seconds_until_it_ends(work: str, number: signal.Signals) -> float:
 @pytest.mark.parametrize("work", ["busy_in_python", "busy_in_native_code"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_the_process_within_a_second(work: str, number: signal.Signals) -> None:
-    # 0.7 s of grace and the start of an idle thread; the best of three on a busy machine
+    # 0.5 s of grace and the start of an idle thread; the best of three on a busy machine
     assert any(seconds_until_it_ends(work, number) < 1.0 for _ in range(3))
 
 

@@ -124,6 +124,9 @@ class RunStore:
                 f"the run was begun with vulnus {earlier[-1]['version']}, this is {__version__}: "
                 "what follows may differ from an uninterrupted run"
             )
+        for former in earlier:
+            if former["outcome"] == "running":  # its process had no time to say how it ended
+                former["outcome"] = "killed"
         files = [describe_input(path) for path in inputs]
         if "inputs" in record and record["inputs"] != files:
             raise StorageError(
