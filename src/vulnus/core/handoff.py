@@ -216,7 +216,7 @@ class BleedLedger:
 
     @property
     def volume_error_fraction(self) -> float:
-        """Largest magnitude of the imbalance over the run as a fraction of the injected volume, 0 if none."""
+        """Largest imbalance over the run as a fraction of the injected volume, 0 if none bled."""
         accounted = self.in_limb + self.out_of_limb + self.removed + self.pending
         total = float(np.max(np.abs(self.injected), initial=0.0))
         if total == 0.0:
