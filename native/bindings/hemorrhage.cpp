@@ -254,6 +254,7 @@ void bind_counters(nb::class_<WcsphSolver<Real>>& c) {
       .def_rw("pushed", &S::pushed)
       .def_rw("searches", &S::searches)
       .def_rw("stale", &S::stale)
+      .def_rw("list_margin", &S::list_margin)
       .def_prop_rw(
           "injected", [](S& s) { return s.source.injected; },
           [](S& s, double v) { s.source.injected = v; })

@@ -9,6 +9,9 @@ namespace vulnus::hemorrhage {
 namespace {
 
 constexpr double kCellEdge = 0.8;  // of the cells over h; chosen by timing
+// Margin of candidate lists: what the fastest particle and another need for so many steps, between
+// shares of h; chosen by timing.
+constexpr double kStepsPerSearch = 12.0, kLeastMargin = 0.06, kLargestMargin = 0.3;
 constexpr double kLimbBand = 0.5;  // half width of the hysteresis at the limb's surface over dx
 
 template <class Real>
@@ -138,8 +141,8 @@ void WcsphSolver<Real>::index_cells() {
   order_.index(keys_);
   const double h = settings.smoothing;
   neighbours_.search(particles, order_, barrier_, barrier_order_, periodicity,
-                     Real(h * (1.0 + kSkin)), Real(h * (1.0 + 0.5 * kSkin)), useful_threads());
-  source.list_near(particles, kSkin * h);
+                     Real(h + list_margin), Real(h + 0.5 * list_margin), useful_threads());
+  source.list_near(particles, list_margin);
 }
 
 template <class Real>
@@ -156,6 +159,9 @@ void WcsphSolver<Real>::sample_fields() {
 
 template <class Real>
 void WcsphSolver<Real>::search() {
+  const double h = settings.smoothing;
+  list_margin = std::clamp(kStepsPerSearch * 2.0 * next_step() * largest_speed, kLeastMargin * h,
+                           kLargestMargin * h);
   drop_strays();
   order_particles();
   index_cells();

@@ -9,7 +9,7 @@
 namespace vulnus::hemorrhage {
 namespace {
 
-constexpr std::size_t kParticlesPerThread = 384;  // fewer are not worth another thread
+constexpr std::size_t kParticlesPerThread = 1000;  // fewer are not worth another thread
 constexpr double kForceLimit = 0.25;              // dt <= 0.25 sqrt(h/|a|) (Monaghan 1992)
 constexpr double kViscousLimit = 0.125;           // dt <= 0.125 h^2/nu (Morris 1997)
 constexpr double kSpeedLimit = 4.0;               // over c0; faster is a fault
@@ -128,7 +128,7 @@ void WcsphSolver<Real>::locate_fault() {
 
 template <class Real>
 bool WcsphSolver<Real>::step(double dt, const FlowSeries& flow) {
-  if (stale || 2.0 * largest_move_ > skin()) search();
+  if (stale || 2.0 * largest_move_ > list_margin) search();
   if (source.settings.enabled &&
       source.flow(particles, flow.at(time + 0.5 * dt), dt, barrier_distance, tissue)) {
     search();

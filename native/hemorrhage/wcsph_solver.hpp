@@ -31,10 +31,6 @@ struct FluidSettings {
   double density_scale = 1, gradient_scale = 1, laplacian_scale = 1, rest_density = 1060;
 };
 
-// Margin of candidate lists over h: a search is due when a particle has moved half of it. Chosen by
-// timing.
-inline constexpr double kSkin = 0.10;
-
 template <class Real>
 class WcsphSolver {
  public:
@@ -56,7 +52,8 @@ class WcsphSolver {
   Particles<Real> particles;
   double time = 0, largest_speed = 0, largest_acceleration = 0;
   std::int64_t steps = 0, particle_steps = 0, removed = 0, crossings = 0, pushed = 0, searches = 0;
-  bool stale = true;  // candidates must be searched before the next sum
+  double list_margin = 0;  // of candidate lists beyond h [m]; half of it is used up by a move
+  bool stale = true;       // candidates must be searched before the next sum
 
   FaultRecord fault;
   std::int64_t fault_id = -1;
@@ -82,7 +79,6 @@ class WcsphSolver {
     std::int64_t crossings = 0, pushed = 0;
   };
 
-  Real skin() const { return Real(kSkin * settings.smoothing); }
   template <class Kernels>
   void weigh_barrier(const Kernels& kernels);
   bool step(double dt, const FlowSeries& flow);

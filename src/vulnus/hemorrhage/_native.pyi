@@ -43,6 +43,7 @@ class BleedingSolver32:
     pushed: int
     searches: int
     stale: bool
+    list_margin: float
     injected: float
     pending: float
     draws: int

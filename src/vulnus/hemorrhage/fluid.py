@@ -32,6 +32,7 @@ SCALARS = (
     "pushed",
     "searches",
     "stale",
+    "list_margin",
     "injected",
     "pending",
     "draws",
