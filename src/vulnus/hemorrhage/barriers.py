@@ -49,12 +49,12 @@ def intact(wound: InjuredLimb, parameters: HemorrhageParameters) -> BoolArray:
 
 
 def limb_grid(wound: InjuredLimb, whole: BoolArray, spacing: float) -> NodeGrid:
-    """The grid over the limb, before and after, at half the blood's spacing."""
+    """The grid over the limb, before and after, at half the coarser of the two spacings."""
     kept = wound.position[whole]
     lower = np.minimum(wound.reference_position.min(axis=0), kept.min(axis=0))
     upper = np.maximum(wound.reference_position.max(axis=0), kept.max(axis=0))
     margin = 3.0 * wound.spacing + 2.0 * spacing
-    cell = 0.5 * spacing
+    cell = 0.5 * max(spacing, wound.spacing)
     volume = float(np.prod(upper - lower + 2.0 * margin))
     cell = max(cell, (volume / NODE_LIMIT) ** (1.0 / 3.0))
     return NodeGrid.around(lower, upper, cell, margin)
