@@ -87,8 +87,8 @@ def _follow_the_paper(
             checkpoint=kept,
             progress=progress,
         ),
+        report=lambda found: store.write_summary(summarise(found, None, book.cost)),
     )
-    store.write_summary(summarise(wound(), None, book.cost))
     book.stage("circulation", BleedWaveforms, lambda _: _solve_tree(scenario, wound()))
     bleeding = None
     if wound().injuries:
@@ -97,15 +97,23 @@ def _follow_the_paper(
             "hemorrhage",
             BleedOutcome,
             lambda kept: _bleed(scenario, store, wound(), kept, progress),
+            report=lambda bled: _write_results(store, wound(), bled, book),
         )()
     else:
         say("the projectile cut no artery: nothing bleeds")
+        _write_results(store, wound(), None, book)
         book.skip("hemorrhage")
-    store.write_waveforms(bleeding.waveforms if bleeding else None)
-    store.write_ledger(bleeding.ledger if bleeding else None)
-    store.write_summary(summarise(wound(), bleeding, book.cost))
     book.stage("visualization", tuple, lambda _: _draw(scenario, store, progress, say))
     store.write_summary(summarise(wound(), bleeding, book.cost))
+
+
+def _write_results(
+    store: RunStore, wound: InjuredLimb, bleeding: BleedOutcome | None, book: StageBook
+) -> None:
+    """Write the tables and the summary of a wound and its bleeding."""
+    store.write_waveforms(bleeding.waveforms if bleeding else None)
+    store.write_ledger(bleeding.ledger if bleeding else None)
+    store.write_summary(summarise(wound, bleeding, book.cost))
 
 
 def draw_again(

@@ -28,11 +28,16 @@ class StageBook:
         self._until = until
 
     def stage(
-        self, name: str, kind: type[HandOff], compute: Callable[[FileCheckpoint], HandOff]
+        self,
+        name: str,
+        kind: type[HandOff],
+        compute: Callable[[FileCheckpoint], HandOff],
+        report: Callable[[HandOff], None] | None = None,
     ) -> Callable[[], HandOff]:
         """The result of stage `name`, to be called for: kept from before, or computed now.
 
-        A kept result is only read where a later stage asks for it.
+        A kept result is only read where a later stage or `report` asks for it. `report` writes
+        what the user reads of the result, also where the run ends with this stage.
         """
         known: list[HandOff] = []
         cost = self.store.stage_cost(name)
@@ -49,6 +54,8 @@ class StageBook:
                 known.append(self._run(name, compute) if kept is None else kept)
             return known[0]
 
+        if report is not None:
+            report(result())
         self.skip(name)
         return result
 

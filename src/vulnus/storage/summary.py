@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from vulnus.core.arrays import FloatArray
 from vulnus.core.handoff import BleedOutcome, InjuredLimb, VesselInjury
 from vulnus.core.units import (
     MILLILITRE,
@@ -23,7 +24,7 @@ def summarise(
     bleeding: BleedOutcome | None,
     cost: Mapping[str, Mapping[str, float]],
 ) -> dict[str, Any]:
-    """`wound`, `bleeding` and `cost`; null where a value is not known.
+    """`wound`, `bleeding` and `cost`; null where a value is not known (yet).
 
     Where nothing was cut, `severed_segment` is null and nothing bled: volumes and flows are 0.
 
@@ -31,7 +32,7 @@ def summarise(
     """
     return {
         "wound": _wound(wound),
-        "bleeding": _bleeding(bleeding),
+        "bleeding": _bleeding(bleeding, bled=bool(wound.injuries)),
         "cost": {
             "wall_s": {stage: round(item["wall"], 3) for stage, item in cost.items()},
             "peak_memory_mb": round(
@@ -72,7 +73,7 @@ def _injury(injury: VesselInjury) -> dict[str, Any]:
     }
 
 
-def _bleeding(outcome: BleedOutcome | None) -> dict[str, Any]:
+def _bleeding(outcome: BleedOutcome | None, *, bled: bool) -> dict[str, Any]:
     keys = (
         "duration_s",
         "injected_ml",
@@ -91,8 +92,9 @@ def _bleeding(outcome: BleedOutcome | None) -> dict[str, Any]:
         "steps",
     )
     if outcome is None:
-        return {key: None if key.startswith(("mean_pressure", "beat")) else 0 for key in keys}
-    ledger, waves, beats = outcome.ledger, outcome.waveforms, outcome.mean_flow_per_beat
+        unknown = keys if bled else ("mean_pressure_artery_mmhg", "mean_pressure_injury_mmhg")
+        return {key: None if key in unknown else 0 for key in keys}
+    ledger, waves, beats = outcome.ledger, outcome.waveforms, _whole_beats(outcome)
     volumes = (ledger.injected, ledger.in_limb, ledger.out_of_limb, ledger.removed, ledger.pending)
     values = (
         float(ledger.time[-1]) if len(ledger.time) else 0.0,
@@ -111,6 +113,15 @@ def _bleeding(outcome: BleedOutcome | None) -> dict[str, Any]:
         key: _finite(value) if isinstance(value, float) else value
         for key, value in zip(keys, values, strict=True)
     }
+
+
+def _whole_beats(outcome: BleedOutcome) -> FloatArray:
+    """Mean flow [m³/s] of the beats that ran to their end, or of the only one that began.
+
+    The mean over a part of a beat says more about which part it was than about the bleeding.
+    """
+    whole = int(outcome.ledger.time[-1] / outcome.period + 1e-6) if len(outcome.ledger.time) else 0
+    return outcome.mean_flow_per_beat[: max(whole, 1)]
 
 
 def _mean(pressure: Any) -> float | None:
