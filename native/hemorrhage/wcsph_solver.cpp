@@ -10,11 +10,11 @@ namespace vulnus::hemorrhage {
 namespace {
 
 constexpr std::size_t kParticlesPerThread = 1000;  // fewer are not worth another thread
-constexpr double kForceLimit = 0.25;              // dt <= 0.25 sqrt(h/|a|) (Monaghan 1992)
-constexpr double kViscousLimit = 0.125;           // dt <= 0.125 h^2/nu (Morris 1997)
-constexpr double kSpeedLimit = 4.0;               // over c0; faster is a fault
-constexpr double kSwelling = 10.0;                // newcomers swell within 10 h/c0; chosen
-constexpr double kWallSlack = 0.3;                // margin of the wall check over h
+constexpr double kForceLimit = 0.25;               // dt <= 0.25 sqrt(h/|a|) (Monaghan 1992)
+constexpr double kViscousLimit = 0.125;            // dt <= 0.125 h^2/nu (Morris 1997)
+constexpr double kSpeedLimit = 4.0;                // over c0; faster is a fault
+constexpr double kSwelling = 10.0;                 // newcomers swell within 10 h/c0; chosen
+constexpr double kWallSlack = 0.3;                 // margin of the wall check over h
 
 }  // namespace
 

@@ -12,9 +12,12 @@
 namespace vulnus::hemorrhage {
 namespace {
 
-constexpr std::size_t kRange = 512;     // particles that one thread integrates at a time
-constexpr double kDensityFloor = 0.05;  // of rest density, where a lone particle has none
-constexpr double kWallAnswer = 100.0;   // walls follow the pressure within this many h/c0; chosen
+constexpr std::size_t kRange = 512;  // particles that one thread integrates at a time
+// Least density over the rest density: enough to divide by where pressure is clamped; where it is
+// not, the tension at which blood parts (5 % of rho0 c0^2), else lone particles would draw each
+// other in without limit. Chosen.
+constexpr double kDensityFloor = 0.05, kPartingDensity = 0.95;
+constexpr double kWallAnswer = 100.0;  // walls follow the pressure within this many h/c0; chosen
 
 }  // namespace
 
@@ -51,7 +54,8 @@ template <class Real>
 void WcsphSolver<Real>::density_of(std::int32_t i, Real sum, Real own_share, Real factor) {
   if (settings.as_printed) sum -= density_share(particles.weight[i], own_share);
   const Real rest = Real(settings.rest_density);
-  const Real rho = std::max(sum * factor, Real(kDensityFloor) * rest);
+  const Real least = Real(settings.clamped ? kDensityFloor : kPartingDensity) * rest;
+  const Real rho = std::max(sum * factor, least);
   const Real c2 = Real(settings.sound_speed * settings.sound_speed);
   Real p = pressure_linear(rho, rest, c2);
   if (settings.clamped) p = pressure_clamped(p);

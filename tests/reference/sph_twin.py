@@ -54,7 +54,9 @@ class TwinFluid:
 def densities(fluid: TwinFluid, position: FloatArray) -> FloatArray:
     """Equation: Chong2017 (6), with the self term."""
     r = np.linalg.norm(position[:, None] - position[None], axis=2)
-    return fluid.mass * fluid.density_scale * fluid.kernels.density(r).sum(axis=1)
+    rho = fluid.mass * fluid.density_scale * fluid.kernels.density(r).sum(axis=1)
+    # Without a clamp blood parts at 95 % of its rest density (chosen; see wcsph_sums.cpp).
+    return np.maximum(rho, (0.05 if fluid.clamped else 0.95) * fluid.density)
 
 
 def pressures(fluid: TwinFluid, density: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, Float32Array, FloatArray, IntArray, Vector3
 from vulnus.core.checkpoint import CheckpointValue
 from vulnus.core.constants import BLOOD_DENSITY, BLOOD_VISCOSITY
-from vulnus.core.errors import UnstableStepError
+from vulnus.core.errors import StorageError, UnstableStepError
 
 from . import _native
 from .parameters import KernelSet
@@ -239,7 +239,17 @@ class Fluid:
         return kept
 
     def restore(self, state: Mapping[str, CheckpointValue]) -> None:
-        """Go back to a state that `state` gave, of the same scene."""
+        """Go back to a state that `state` gave, of the same scene.
+
+        Raises StorageError where it is another scene's.
+        """
+        walls = len(np.asarray(state["barrier_pressure"]))
+        if walls != len(self.native.barrier_weight):
+            raise StorageError(
+                "checkpoint of the bleeding",
+                f"has {walls} barrier particles, the limb {len(self.native.barrier_weight)}",
+                "Run without --resume, or resume with the scenario that wrote it.",
+            )
         for name in SCALARS:
             value = state[name]
             present = getattr(self.native, name)

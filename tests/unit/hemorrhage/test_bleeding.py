@@ -136,3 +136,22 @@ def test_pressure_rises_in_a_closed_pocket(closed_wound):
     assert early < 500.0
     assert solver.pressure_injury > 1000.0
     assert solver.volumes().out_of_limb == 0.0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"as_printed": True},
+        {"pressure_model": "unclamped"},
+        {"kernels": "mueller2003"},
+        {"barrier_model": "presence"},
+        {"permeability_model": "constant"},
+    ],
+)
+def test_every_option_bleeds(open_wound, change):
+    """Each option runs for 0.05 s and closes the ledger."""
+    solver = prepare(open_wound, dataclasses.replace(PARAMETERS, **change))
+    solver.advance(0.05, FLOW)
+    v = solver.volumes()
+    assert v.injected == pytest.approx(v.in_limb + v.out_of_limb + v.removed + v.pending)
+    assert solver.particle_count > 10
