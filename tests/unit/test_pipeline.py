@@ -232,9 +232,20 @@ def test_a_run_without_a_cut_says_so_and_ends_well(tmp_path: Path, stages: Stage
     summary = required(tmp_path / "run")
     assert summary["wound.severed_segment"] is None
     assert summary["wound.entry_area_mm2"] == pytest.approx(64.0)
-    assert [value for name, value in summary.items() if name.startswith("bleeding.")] == [None] * 7
+    assert [value for name, value in summary.items() if name.startswith("bleeding.")] == [0] * 7
     assert summary["cost.hemorrhage_particle_steps_per_s"] is None
     assert len((tmp_path / "run" / "waveforms.csv").read_text().splitlines()) == 1
+
+
+def test_a_run_that_ends_with_the_bleeding_leaves_its_tables(
+    tmp_path: Path, stages: Stages
+) -> None:
+    run(tmp_path / "run", until="injury")
+    assert required(tmp_path / "run")["bleeding.injected_ml"] is None  # cut, not yet bled
+    run(tmp_path / "run", until="hemorrhage", resume=True)
+    assert required(tmp_path / "run")["bleeding.injected_ml"] == pytest.approx(2.0)
+    assert len((tmp_path / "run" / "ledger.csv").read_text().splitlines()) == 12
+    assert stages.calls["visualization"] == 0
 
 
 @pytest.mark.parametrize("last", pipeline.STAGES)
