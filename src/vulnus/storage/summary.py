@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from vulnus.core.arrays import FloatArray
 from vulnus.core.handoff import BleedOutcome, InjuredLimb, VesselInjury
 from vulnus.core.units import (
     MILLILITRE,
@@ -94,7 +93,7 @@ def _bleeding(outcome: BleedOutcome | None, *, bled: bool) -> dict[str, Any]:
     if outcome is None:
         unknown = keys if bled else ("mean_pressure_artery_mmhg", "mean_pressure_injury_mmhg")
         return {key: None if key in unknown else 0 for key in keys}
-    ledger, waves, beats = outcome.ledger, outcome.waveforms, _whole_beats(outcome)
+    ledger, waves, beats = outcome.ledger, outcome.waveforms, outcome.mean_flow_per_beat
     volumes = (ledger.injected, ledger.in_limb, ledger.out_of_limb, ledger.removed, ledger.pending)
     values = (
         float(ledger.time[-1]) if len(ledger.time) else 0.0,
@@ -113,15 +112,6 @@ def _bleeding(outcome: BleedOutcome | None, *, bled: bool) -> dict[str, Any]:
         key: _finite(value) if isinstance(value, float) else value
         for key, value in zip(keys, values, strict=True)
     }
-
-
-def _whole_beats(outcome: BleedOutcome) -> FloatArray:
-    """Mean flow [m³/s] of the beats that ran to their end, or of the only one that began.
-
-    The mean over a part of a beat says more about which part it was than about the bleeding.
-    """
-    whole = int(outcome.ledger.time[-1] / outcome.period + 1e-6) if len(outcome.ledger.time) else 0
-    return outcome.mean_flow_per_beat[: max(whole, 1)]
 
 
 def _mean(pressure: Any) -> float | None:

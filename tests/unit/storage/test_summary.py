@@ -1,0 +1,62 @@
+"""The numbers of `summary.json` are those of the stages, in the units of their names."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from vulnus.core.handoff import BleedLedger, BleedOutcome, BleedWaveforms
+from vulnus.storage import summarise
+
+from .test_handoff_file import injured_limb
+
+COST = {"injury": {"wall": 2.0, "peak_memory": 3e8}, "anatomy": {"wall": 1.0, "peak_memory": 1e8}}
+
+
+def outcome(duration: float, beats: list[float]) -> BleedOutcome:
+    time = np.linspace(0.0, duration, 5)
+    return BleedOutcome(
+        waveforms=BleedWaveforms(time, *(np.full(5, p * 133.322387415) for p in (90, 10, 1)), time),
+        ledger=BleedLedger(time, time * 1e-6, time * 6e-7, time * 3e-7, time * 1e-7, time * 0),
+        period=0.8,
+        mean_flow_per_beat=np.array(beats),
+        barrier_crossings=0,
+        particle_count=10,
+        steps=100,
+        particle_steps_per_second=float("nan"),
+    )
+
+
+def test_volumes_and_flows_have_their_units() -> None:
+    summary = summarise(injured_limb(), outcome(2.0, [1e-6, 2e-6, 9e-6]), COST)
+    bleeding = summary["bleeding"]
+    assert bleeding["injected_ml"] == pytest.approx(2.0)
+    assert bleeding["in_limb_ml"] == pytest.approx(1.2)
+    assert bleeding["out_of_limb_ml"] == pytest.approx(0.6)
+    assert bleeding["removed_ml"] == pytest.approx(0.2)
+    assert bleeding["volume_error_fraction"] == pytest.approx(0.0, abs=1e-15)
+    assert bleeding["mean_pressure_artery_mmhg"] == pytest.approx(10.0)
+    assert summary["wound"]["entry_area_mm2"] == pytest.approx(64.0)
+    assert summary["wound"]["injuries"][0]["gap_mm"] == pytest.approx(9.0)
+    assert summary["cost"]["wall_s"] == {"injury": 2.0, "anatomy": 1.0}
+    assert summary["cost"]["peak_memory_mb"] == 300.0
+    assert summary["cost"]["hemorrhage_particle_steps_per_s"] is None  # JSON has no NaN
+
+
+def test_first_and_last_beat_are_those_of_the_stage() -> None:
+    bleeding = summarise(injured_limb(), outcome(2.0, [1e-6, 3e-6, 2e-6]), COST)["bleeding"]
+    assert bleeding["mean_flow_first_beat_ml_per_min"] == pytest.approx(60.0)
+    assert bleeding["mean_flow_last_beat_ml_per_min"] == pytest.approx(120.0)
+
+
+def test_what_is_not_cut_loses_nothing_and_what_has_not_bled_yet_is_not_known() -> None:
+    wound = dataclasses.replace(injured_limb(), injuries=())
+    cut = summarise(injured_limb(), outcome(2.0, [1e-6]), COST)["bleeding"]
+    uncut = summarise(wound, None, COST)["bleeding"]
+    not_yet = summarise(injured_limb(), None, COST)["bleeding"]
+    assert uncut.keys() == cut.keys() == not_yet.keys()
+    assert uncut["injected_ml"] == uncut["mean_flow_last_beat_ml_per_min"] == 0
+    assert uncut["mean_pressure_artery_mmhg"] is None
+    assert not_yet["injected_ml"] is None
