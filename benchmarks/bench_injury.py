@@ -12,14 +12,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # do not spin on a shared machine
 
 import numpy as np
 

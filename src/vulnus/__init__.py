@@ -27,10 +27,12 @@ _HOMES = {
 
 __all__ = ["__version__", *_HOMES]  # noqa: PLE0604 - the names are strings
 
-# Waiting threads sleep instead of spinning: on a shared machine a spinning thread takes the time
-# of the one it waits for (11.6 against 7 million particle-steps/s of the injury solver with both
-# cores busy). OpenMP reads this once, when the first native module is loaded.
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# Waiting threads spin for some ten microseconds and then sleep: longer, and on a busy machine
+# they take the time of the thread they wait for (12.5 against 3.6 s for the demo's injury with both
+# cores busy); shorter, and every small loop pays for waking them. OpenMP reads this once, when the
+# first native module is loaded.
+if "OMP_WAIT_POLICY" not in os.environ:
+    os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 
 
 def __getattr__(name: str) -> Any:

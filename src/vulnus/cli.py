@@ -155,9 +155,6 @@ def show(
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and give back its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    # Threads that wait for each other should not burn the processor for long; read by OpenMP when
-    # the first native module loads. 10000 rounds are some 10 µs.
-    os.environ.setdefault("GOMP_SPINCOUNT", "10000")
     try:
         result = app(words, exit_on_error=False, result_action="return_value")
     except cyclopts.CycloptsError:
