@@ -71,7 +71,9 @@ def _follow_the_paper(
     scenario: Scenario, store: RunStore, book: StageBook, progress: Progress, say: Say
 ) -> None:
     """Section 2: anatomy from images (2.1), the injury (2.2), the bleeding (2.3)."""
-    labels = book.stage("imaging", LabelVolume, lambda _: imaging.load_labels(scenario.imaging))
+    labels = book.stage(
+        "imaging", LabelVolume, lambda _: imaging.load_labels(scenario.imaging, progress)
+    )
     limb = book.stage(
         "anatomy",
         LimbModel,

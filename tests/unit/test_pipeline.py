@@ -121,7 +121,7 @@ class Stages:
         if stage in self.fail:
             raise self.fail.pop(stage)
 
-    def load_labels(self, _: Any) -> LabelVolume:
+    def load_labels(self, *_: Any) -> LabelVolume:
         self.count("imaging")
         return LabelVolume(
             np.ones((2, 2, 2), np.uint8), np.zeros(3), np.ones(3), np.eye(3), (), "made up"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from vulnus.core.handoff import LabelVolume
+from vulnus.core.progress import SilentProgress
 
 from .labels import load_labels
 from .parameters import BUILTIN_LEG, ImagingParameters, LegMeasurements
@@ -14,4 +15,4 @@ def generate_leg(parameters: ImagingParameters | None = None) -> LabelVolume:
     """The built-in leg as labelled voxels with its arteries as centre-lines."""
     from .builtin_leg import generate_leg as generate
 
-    return generate(parameters if parameters is not None else ImagingParameters())
+    return generate(parameters or ImagingParameters(), SilentProgress())

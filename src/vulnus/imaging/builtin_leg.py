@@ -13,6 +13,7 @@ import numpy as np
 from vulnus.core.arrays import BoolArray, FloatArray, LabelArray
 from vulnus.core.errors import InputFileError
 from vulnus.core.handoff import ArteryCentreline, LabelVolume, Tissue
+from vulnus.core.progress import Progress
 from vulnus.core.units import MILLIMETRE
 
 from .leg_arteries import leg_arteries, paint_arteries
@@ -60,7 +61,7 @@ _MEASUREMENT_LIMITS = (0.5, 1.8)
 """What a measurement may be as a multiple of the table's; chosen: from a child to an obese man."""
 
 
-def generate_leg(parameters: ImagingParameters) -> LabelVolume:
+def generate_leg(parameters: ImagingParameters, progress: Progress) -> LabelVolume:
     """The built-in leg as labelled voxels with its arteries as centre-lines.
 
     The same shape at every voxel size; a right leg is the left one mirrored.
@@ -74,8 +75,11 @@ def generate_leg(parameters: ImagingParameters) -> LabelVolume:
     sections = [shape.section(height / parameters.leg.tibia_length) for height in heights]
     x, y = _grid(sections, voxel)
     labels = np.zeros((x.size, y.size, count), dtype=np.uint8)
+    progress.begin("imaging", float(count), "slices")
     for k, section in enumerate(sections):
         labels[:, :, k] = _paint_section(section, x, y)
+        progress.update(k + 1.0)
+    progress.end()
     arteries = leg_arteries(shape)
     origin = np.array([x[0], y[0], heights[0]])
     paint_arteries(labels, arteries, origin, voxel)
