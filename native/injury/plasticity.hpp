@@ -7,6 +7,10 @@
 
 namespace vulnus::injury {
 
+// Steepest fall of the yield stress over the elastic slope 3 mu. Chosen: above the 1/1.1 that
+// `materials.Material.damage_span` leaves at rest, below the 1 of snap-back.
+constexpr double kSteepestSoftening = 0.95;
+
 // What a material point remembers: elastic strain b_e - I, equivalent plastic strain, and the
 // volumetric (logarithmic) strain of its open voids and cracks.
 template <class R>
@@ -42,7 +46,8 @@ VULNUS_HD void close_opening(R (&strain)[3], R& opening) {
 }
 
 // Radial return at constant pressure (isochoric flow): q = sqrt(3/2)|dev tau| <= Y(alpha) + M p,
-// with Y falling linearly within the step where damage has begun.
+// with Y falling linearly within the step where damage has begun. High rates raise Y and its slope;
+// the slope stops short of 3 mu, beyond which a point would snap back and gain strength.
 template <class R>
 VULNUS_HD auto return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3],
                                      R& plastic_strain) {
@@ -61,7 +66,8 @@ VULNUS_HD auto return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3
   const R yield = maximum(cohesion + frictional, R{});
   const auto flowing = q > yield;
   const auto softening = (plastic_strain >= m.damage_start) & (plastic_strain < m.damage_end);
-  const R slope = select(softening, full / (m.damage_end - m.damage_start), R{});
+  const R steepest = broadcast<R>(kSteepestSoftening) * three_mu;
+  const R slope = select(softening, minimum(full / (m.damage_end - m.damage_start), steepest), R{});
   const R guess = (q - yield) / (three_mu - slope);
   const R softened = maximum(maximum(cohesion - slope * guess, R{}) + frictional, R{});
   const R scale = select(flowing, softened / maximum(q, broadcast<R>(1e-30)), one);

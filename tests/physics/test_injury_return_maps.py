@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from vulnus.injury import _native
-from vulnus.injury.materials import Material, material_table, tissue_table
+from vulnus.injury.materials import MUSCLE, Material, material_table, tissue_table
 
 pytestmark = pytest.mark.physics
 
@@ -123,6 +123,20 @@ def test_softening_spends_the_fracture_energy_on_any_cell():
                 break
         # The last step overshoots zero strength by half an increment of 1e-5 in 0.02.
         assert energy == pytest.approx(3e3, rel=0.02)
+
+
+def test_softening_at_high_rates_never_adds_strength():
+    """On cells of 10 mm at 1e5-1e7 /s muscle's stress falls and its plastic strain grows."""
+    row = material_table([MUSCLE], 0.01)
+    start = MUSCLE.damage_start
+    for rate in (1e5, 1e6, 1e7):
+        full = MUSCLE.yield_stress * (1.0 + (rate / MUSCLE.rate_reference) ** MUSCLE.rate_exponent)
+        shear = 1.05 * full / (3.0 * MUSCLE.shear_modulus)  # q = 3 mu shear, 5 % above yield
+        strain = np.diag([shear, -0.5 * shear, -0.5 * shear])
+        _, alpha, _, tau = apply(row, strain, alpha=start, rate=rate)
+        principal = np.linalg.eigvalsh(tau[0])
+        assert alpha[0] > start
+        assert principal[-1] - principal[0] < full
 
 
 def test_tension_opens_voids_and_compression_closes_them_first():

@@ -82,7 +82,7 @@ def return_map(
         if q > max(cohesion + friction, 0.0):
             span = k["damage_end"] - k["damage_start"]
             softening = k["damage_start"] <= alpha[p] < k["damage_end"]
-            slope = full / span if softening else 0.0
+            slope = min(full / span, 0.95 * 3.0 * k["shear_modulus"]) if softening else 0.0
             guess = (q - max(cohesion + friction, 0.0)) / (3.0 * k["shear_modulus"] - slope)
             left = max(max(cohesion - slope * guess, 0.0) + friction, 0.0)
             strain[p] = mean + deviator * left / q
