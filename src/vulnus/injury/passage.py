@@ -74,7 +74,6 @@ def _run(
     def report() -> None:
         progress.update(solver.time / MILLISECOND, f"{solver.steps} steps")
 
-    start = clock.perf_counter()
     if solver.time == 0.0 and on_frame is not None:
         on_frame(_frame(limb, setup, 0))
     begun = solver.time
@@ -82,14 +81,15 @@ def _run(
         if until <= begun:  # written before the checkpoint that this run goes on from
             continue
         while solver.time < until:
+            start = clock.perf_counter()
             solver.advance_epoch(until, on_call=report)
+            wall += clock.perf_counter() - start
             if checkpoint.due() and solver.time < until:
-                elapsed = wall + clock.perf_counter() - start
-                checkpoint.save({**solver.state(), "wall": elapsed})
+                checkpoint.save({**solver.state(), "wall": wall})
         if on_frame is not None:
             on_frame(_frame(limb, setup, index))
     progress.end()
-    return wall + clock.perf_counter() - start
+    return wall
 
 
 def _frame_times(parameters: InjuryParameters) -> list[tuple[int, float]]:
