@@ -48,7 +48,8 @@ def bleed_out(
 
     Frames go to `on_frame` at exact multiples of the frame interval, frame 0 at time 0. Where the
     checkpoint holds one, the run goes on from there with the same bits; frames since then are
-    handed out again. A beat cut short by the end counts with the mean over its simulated part.
+    handed out again. The mean flows are those of whole beats; a run that ends within its first beat
+    has the mean over what was simulated of it.
     Raises `ScenarioError` for times or a relaxation outside their ranges. An interrupt leaves the
     newest checkpoint in place.
     """

@@ -16,7 +16,9 @@ _COLUMNS = 10
 
 @dataclass(slots=True)
 class RunLog:
-    """Rows of samples and the mean flow of each beat [m³/s], the last of them perhaps cut short.
+    """Rows of samples and the mean flow of each whole beat [m³/s].
+
+    A run that ends within its first beat has the mean over what was simulated of it.
 
     A row is time, aortic, arterial and wound pressure, flow, and the five volumes of the ledger.
     """
