@@ -243,7 +243,8 @@ class BleedWaveforms:
 class BleedOutcome:
     """The result of the bleeding stage: signals, ledger and what the solver counted.
 
-    `barrier_crossings` counts blood particles that got through intact skin, bone or the platform;
+    `barrier_crossings` counts how often a blood particle was found half its spacing deep in intact
+    skin, bone or the platform, and put back;
     `mean_flow_per_beat` (beats,) [m³/s], of the whole beats; of the whole run where it is shorter
     than one beat.
     """

@@ -52,7 +52,7 @@ class BloodSolver(Protocol):
 
     @property
     def barrier_crossings(self) -> int:
-        """Particles that got through a barrier so far."""
+        """How often a particle was found half its spacing deep in a barrier, and put back."""
 
     @property
     def pressure_injury(self) -> float:
