@@ -9,7 +9,7 @@ import pytest
 from reference.sph_limb import BONE_CENTER, BONE_RADIUS, HALF_LENGTH, RADIUS
 
 from vulnus.core.handoff import Tissue
-from vulnus.hemorrhage import HemorrhageParameters, PlatformParameters
+from vulnus.hemorrhage import FluidParameters, FluidScene, HemorrhageParameters, PlatformParameters
 from vulnus.hemorrhage.barriers import build_barriers, place_platform
 from vulnus.hemorrhage.preparation import prepare
 
@@ -125,3 +125,18 @@ def test_platform_catches_what_falls(open_wound):
     assert solver.position[:, 1].max() <= face + 1e-4
     assert solver.position[:, 1].min() > face - 2.5e-3
     assert solver.barrier_crossings == 0
+
+
+def test_a_particle_deep_in_a_wall_is_put_back_and_counted():
+    """The count of crossings is not 0 by construction: 0.8 spacings deep counts, 0.3 does not."""
+    dx = 2e-3
+    for depth, crossings in ((0.3, 0), (0.8, 1)):
+        scene = FluidScene(FluidParameters(particle_spacing=dx))
+        scene.add_container((0.0, 0.0, 0.0), (0.02, 0.02, 0.02), safety_net=True)
+        scene.add_fluid(np.array([[0.01, 0.01, -depth * dx]]))
+        fluid = scene.build(double=True)
+        fluid.step_chunk(1.0, step_limit=1)
+        assert fluid.barrier_crossings == crossings
+        assert fluid.native.pushed == 1
+        # What a wall's pressure moves it within the one step of 2e-5 s is far below this.
+        assert fluid.position[0, 2] == pytest.approx(0.0, abs=0.1 * dx)
