@@ -64,12 +64,13 @@ def flight_direction(aim: AimParameters) -> FloatArray:
     else:
         values = aim.direction
         vector = np.array(aim.direction, dtype=np.float64)
-    length = float(np.linalg.norm(vector))
-    if not (all(map(math.isfinite, values)) and length > 0.0):
+    if not (all(map(math.isfinite, values)) and np.any(vector)):
         raise ProjectileError(
             "injury.aim.direction", f"{values} has no direction", "Give a vector that is not zero."
         )
-    return vector / length
+    vector /= np.abs(vector).max()  # so that no length overflows or vanishes when squared
+    along: FloatArray = vector / np.linalg.norm(vector)
+    return along
 
 
 def aim_point(limb: LimbModel, aim: AimParameters) -> FloatArray:

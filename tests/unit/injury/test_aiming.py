@@ -66,6 +66,12 @@ def test_direction_of_any_length_takes_precedence(limb):
     assert shot.entry_point[0] > 0.0
 
 
+@pytest.mark.parametrize("length", [1e-300, 1e-9, 1e9, 1e300])
+def test_a_direction_may_be_as_long_as_numbers_go(length):
+    along = flight_direction(AimParameters(direction=(3.0 * length, 0.0, -4.0 * length)))
+    assert np.allclose(along, (0.6, 0.0, -0.8), atol=1e-12)
+
+
 def test_a_miss_says_by_how_much(limb):
     with pytest.raises(ProjectileError, match=r"passes 1[45]\.\d mm beside the limb") as error:
         aim(limb, AimParameters(target=(0.035, 0.0, 0.0)))
@@ -87,6 +93,7 @@ def test_a_graze_with_the_edge_only_is_refused_as_such(limb):
         (AimParameters(artery=None), ProjectileParameters(), "artery"),
         (AimParameters(fraction=1.5), ProjectileParameters(), "fraction"),
         (AimParameters(direction=(0.0, 0.0, 0.0)), ProjectileParameters(), "direction"),
+        (AimParameters(direction=(math.inf, 0.0, 0.0)), ProjectileParameters(), "direction"),
         (AimParameters(target=(math.inf, 0.0, 0.0)), ProjectileParameters(), "target"),
     ],
 )
