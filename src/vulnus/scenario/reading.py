@@ -64,7 +64,7 @@ def _text_of(path: Path) -> str:
             raise ScenarioError(
                 str(path), "it is larger than 1 MiB, which no scenario is", "Give a .toml file"
             )
-        return path.read_bytes().decode("utf-8")
+        return path.read_bytes().decode("utf-8-sig")  # some editors put a mark in front
     except FileNotFoundError:
         raise ScenarioError(
             str(path), "there is no such file or preset", _nearest_source(path)

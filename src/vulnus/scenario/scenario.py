@@ -63,6 +63,12 @@ def _require_file(path: Path, scenario: str) -> None:
     """Raise `InputFileError` with the nearest name unless `path` is a file."""
     if path.is_file():
         return
+    if path.is_dir():
+        raise InputFileError(
+            str(path),
+            f"it is a directory, not a file (named in {scenario})",
+            "Name a file in it in [imaging]",
+        )
     try:
         names = [item.name for item in path.parent.iterdir()]
     except OSError:

@@ -155,6 +155,18 @@ def test_a_missing_volume_is_told_before_anything_runs(tmp_path: Path) -> None:
     assert "leg_lefd" in scenario_text(tmp_path / "mine.toml")  # it can still be shown
 
 
+def test_a_directory_in_the_place_of_a_volume_is_told(tmp_path: Path) -> None:
+    (tmp_path / "legs").mkdir()
+    (tmp_path / "mine.toml").write_text('[imaging]\nsource = "legs"')
+    with pytest.raises(InputFileError, match=r"legs: it is a directory"):
+        load_scenario(tmp_path / "mine.toml")
+
+
+def test_a_mark_in_front_of_the_text_is_no_part_of_it(tmp_path: Path) -> None:
+    (tmp_path / "marked.toml").write_bytes(b'\xef\xbb\xbftitle = "from another editor"')
+    assert load_scenario(tmp_path / "marked.toml").title == "from another editor"
+
+
 def test_a_preset_as_the_base_gives_all_that_is_not_said(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text('preset = "demo"\n[injury.aim]\ntarget_mm = [1, 2, 3]\nazimuth_deg = 200')
