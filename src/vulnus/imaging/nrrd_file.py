@@ -79,7 +79,11 @@ def _shape(path: Path, header: Mapping[str, Any]) -> tuple[int, ...]:
     if sizes is None or "type" not in header or "encoding" not in header:
         raise InputFileError(str(path), "its header lacks sizes, type or encoding", _EXPORT)
     shape = tuple(int(size) for size in sizes)
-    if len(shape) not in (3, 4) or len(shape) != int(header.get("dimension", len(shape))):
+    dimension = int(header.get("dimension", len(shape)))
+    if dimension != len(shape):
+        problem = f"its header gives {len(shape)} sizes for dimension {dimension}"
+        raise InputFileError(str(path), problem, _EXPORT)
+    if len(shape) not in (3, 4):
         raise InputFileError(
             str(path),
             f"has {len(shape)} axes where 3 are needed (4 with one of kind 'list')",

@@ -117,6 +117,9 @@ def test_axes_beyond_three_need_a_list_of_layers(tmp_path):
         **{"space directions": np.eye(3)[:2]},
     )
     refuse(path, "2 axes")
+    volume = v.write_nrrd(tmp_path / "sizes.nrrd").read_bytes()
+    path.write_bytes(volume.replace(b"dimension: 3", b"dimension: 2"))
+    refuse(path, "3 sizes for dimension 2")
     nibabel.save(nibabel.Nifti1Image(labels, np.eye(4)), tmp_path / "t.nii")
     refuse(tmp_path / "t.nii", "4 axes")
 
