@@ -246,9 +246,9 @@ def _on_demand(series: FrameSeries) -> visualization.Frames:
 
 def _describe_cut(wound: InjuredLimb) -> str:
     cut = wound.injuries[0]
-    others = ", ".join(other.artery for other in wound.injuries[1:])
+    others = ", ".join(other.artery.replace("_", " ") for other in wound.injuries[1:])
     return (
         f"the {cut.artery.replace('_', ' ')} artery is cut, {1e3 * cut.gap:.0f} mm of it, at "
         f"{100 * cut.arc_fraction:.0f} % of its length"
-        + (f"; also injured: {others}" if others else "")
+        + (f"; also cut, but not bled: {others}" if others else "")
     )

@@ -223,6 +223,14 @@ def test_a_run_leaves_everything_of_the_handbook(tmp_path: Path, stages: Stages)
     assert list((tmp_path / "run" / "checkpoints").glob("*.running.h5")) == []
 
 
+def test_of_several_cut_arteries_the_others_are_said_not_to_bleed(
+    tmp_path: Path, stages: Stages
+) -> None:
+    stages.injuries = (CUT, dataclasses.replace(CUT, artery="posterior_tibial"))
+    said = run(tmp_path / "run")
+    assert "also cut, but not bled: posterior tibial" in " ".join(said)
+
+
 def test_a_run_without_a_cut_says_so_and_ends_well(tmp_path: Path, stages: Stages) -> None:
     stages.injuries = ()
     said = run(tmp_path / "run")
