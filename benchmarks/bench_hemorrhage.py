@@ -10,15 +10,13 @@ last line is one JSON object about the last size asked for; with --peer also the
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
 import time
 from collections.abc import Callable
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from particle_benchmark import ParticleBenchmark
 
 from vulnus.hemorrhage import Fluid, FluidParameters, FluidScene
 from vulnus.hemorrhage.scene import box_lattice
@@ -110,54 +108,15 @@ PEERS: dict[str, Callable[[int], float]] = {"numpy": peer_numpy}
 """Same equations, other code: name -> particle-steps a second for a number of particles."""
 
 
-def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--particles", type=float, nargs="+", default=[1e4, 1e5], metavar="N")
-    parser.add_argument("--threads", type=int, default=0, help="0: all processors (default)")
-    parser.add_argument("--repeats", type=int, default=5, help="the fastest of so many counts")
-    parser.add_argument("--json", action="store_true", help="end with one JSON object")
-    parser.add_argument(
-        "--peer",
-        metavar="NAME",
-        help=f"compare with a peer in the same run: {', '.join(PEERS)} (numpy: the slow twin of "
-        f"the tests, float64, all pairs, at most {TWIN_LIMIT} particles)",
-    )
-    parsed = parser.parse_args()
-    if parsed.peer is not None and parsed.peer not in PEERS:
-        parser.error(f"unknown peer {parsed.peer!r}; known peers: {', '.join(PEERS)}")
-    if min(parsed.particles) < 1000:
-        parser.error("--particles must be at least 1000")
-    return parsed
-
-
-def main() -> None:
-    args = arguments()
-    cases = []
-    for count in args.particles:
-        case = measure(int(count), threads=args.threads, repeats=args.repeats)
-        cases.append(case)
-        print(
-            f"{case['particles']:>9,} particles {case['rate_per_s'] / 1e6:6.2f} M particle-steps/s"
-            f" {1e3 * case['step_s']:8.2f} ms/step {case['bytes_per_particle']:.0f} bytes/particle"
-            f" {case['neighbours']:.0f} neighbours {case['steps_per_search']:.1f} steps/search"
-        )
-    for small, large in pairwise(cases):
-        ratio = large["step_s"] / small["step_s"]
-        print(
-            f"{large['particles'] / small['particles']:.1f} x the particles: {ratio:.2f} x the time"
-        )
-    result: dict[str, object] = {**cases[-1], "cases": cases}
-    if args.peer is not None:
-        peer_rate = PEERS[args.peer](int(args.particles[-1]))
-        result["peer"] = args.peer
-        result["peer_rate_per_s"] = peer_rate
-        result["ratio"] = cases[-1]["rate_per_s"] / peer_rate
-        print(f"peer {args.peer}: {peer_rate:.3g} particle-steps/s, ratio {result['ratio']:.1f}")
-    if args.json:
-        print(json.dumps(result))
-
-
 if __name__ == "__main__":
-    main()
+    ParticleBenchmark(
+        description=__doc__ or "",
+        particles=(1e4, 1e5),
+        measure=lambda count, threads, repeats: measure(count, threads=threads, repeats=repeats),
+        detail=lambda case: (
+            f"{case['neighbours']:.0f} neighbours {case['steps_per_search']:.1f} steps/search"
+        ),
+        peers=PEERS,
+        about_peers=f"numpy: the slow twin of the tests, float64, all pairs, at most {TWIN_LIMIT} "
+        "particles",
+    ).run()
