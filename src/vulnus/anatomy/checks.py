@@ -54,17 +54,19 @@ def check_labels(labels: LabelVolume, parameters: AnatomyParameters) -> None:
 def _check_lengths(labels: LabelVolume, parameters: AnatomyParameters) -> None:
     spacing, thickness = parameters.particle_spacing, parameters.skin_thickness
     lengths = {
-        "anatomy.particle_spacing": spacing,
-        "anatomy.skin_thickness": thickness,
-        "anatomy.level_set_voxel": parameters.level_set_voxel,
+        "anatomy.particle_spacing_mm": spacing,
+        "anatomy.skin_thickness_mm": thickness,
+        "anatomy.level_set_voxel_mm": parameters.level_set_voxel,
     }
     for name, value in lengths.items():
         if value is not None and not (np.isfinite(value) and value > 0.0):
-            raise AnatomyError(name, f"{value!r} m is not positive", "Give a length above 0.")
+            raise AnatomyError(
+                name, f"{value / MILLIMETRE:g} mm is not positive", "Give a length above 0."
+            )
     if spacing > COARSEST_SPACING * thickness:
         limit = COARSEST_SPACING * thickness / MILLIMETRE
         raise AnatomyError(
-            "anatomy.particle_spacing",
+            "anatomy.particle_spacing_mm",
             f"{spacing / MILLIMETRE:g} mm is too coarse for a skin of "
             f"{thickness / MILLIMETRE:g} mm (limit {limit:g} mm): its points would leave holes",
             "Take a smaller particle_spacing_mm or a larger skin_thickness_mm.",
@@ -72,14 +74,14 @@ def _check_lengths(labels: LabelVolume, parameters: AnatomyParameters) -> None:
     voxel = parameters.level_set_voxel
     if voxel is not None and voxel > thickness:
         raise AnatomyError(
-            "anatomy.level_set_voxel",
+            "anatomy.level_set_voxel_mm",
             f"{voxel / MILLIMETRE:g} mm does not resolve a skin of {thickness / MILLIMETRE:g} mm",
             "Take a level_set_voxel_mm of at most half the skin_thickness_mm.",
         )
     extent = float(max(np.multiply(labels.labels.shape, labels.spacing)))
     if spacing > 0.1 * extent:
         raise AnatomyError(
-            "anatomy.particle_spacing",
+            "anatomy.particle_spacing_mm",
             f"{spacing / MILLIMETRE:g} mm is too coarse for a volume of {extent / MILLIMETRE:g} mm",
             "Take a smaller particle_spacing_mm, and check the volume's spacing (mm or m?).",
         )

@@ -42,8 +42,9 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
         raise AnatomyError("limb", "has no particles", "Check the label volume.")
     if parameters.grid_spacing < limb.spacing:
         raise ScenarioError(
-            "injury.grid_spacing",
-            f"is {parameters.grid_spacing:g} m, less than the points' spacing {limb.spacing:g} m",
+            "injury.grid_spacing_mm",
+            f"is {parameters.grid_spacing / MILLIMETRE:g} mm, less than the points' spacing of "
+            f"{limb.spacing / MILLIMETRE:g} mm",
             "Use about twice anatomy.particle_spacing_mm, or the tissue falls apart between cells.",
         )
     shot = aim(limb, parameters.aim, parameters.projectile)
@@ -180,8 +181,9 @@ def _check(parameters: InjuryParameters) -> None:
     window = parameters.window_length
     if window is not None and not window > 2.0 * parameters.held_length:
         raise ScenarioError(
-            "injury.window_length",
-            f"is {window:g} m, must exceed both held ends ({parameters.held_length:g} m each)",
+            "injury.window_length_mm",
+            f"is {window / MILLIMETRE:g} mm, must exceed both held ends "
+            f"({parameters.held_length / MILLIMETRE:g} mm each)",
             "Use at least five projectile diameters, or 0 for the whole limb.",
         )
 

@@ -54,11 +54,11 @@ def test_a_speck_beside_the_limb_is_dropped(make_limb, caplog):
 @pytest.mark.parametrize(
     ("change", "subject"),
     [
-        ({"particle_spacing": 5e-3}, "anatomy.particle_spacing"),
-        ({"particle_spacing": -1e-3}, "anatomy.particle_spacing"),
-        ({"skin_thickness": 0.0}, "anatomy.skin_thickness"),
-        ({"level_set_voxel": 4e-3}, "anatomy.level_set_voxel"),
-        ({"level_set_voxel": float("nan")}, "anatomy.level_set_voxel"),
+        ({"particle_spacing": 5e-3}, "anatomy.particle_spacing_mm"),
+        ({"particle_spacing": -1e-3}, "anatomy.particle_spacing_mm"),
+        ({"skin_thickness": 0.0}, "anatomy.skin_thickness_mm"),
+        ({"level_set_voxel": 4e-3}, "anatomy.level_set_voxel_mm"),
+        ({"level_set_voxel": float("nan")}, "anatomy.level_set_voxel_mm"),
     ],
 )
 def test_spacings_that_do_not_resolve_the_skin(make_limb, change, subject):
