@@ -335,8 +335,6 @@ void bind_laws(nb::module_& m) {
   m.def("lattice_sums_mueller2003", &lattice_values<MuellerKernels<double>>, "h"_a, "dx"_a);
   m.def("lattice_sums_wendland_c2", &lattice_values<WendlandKernels<double>>, "h"_a, "dx"_a);
   m.def("pressure_linear", &pressure_linear<double>);
-  m.def("porosity_from_density", &porosity_from_density<double>);
-  m.def("permeability_kozeny_carman", &permeability_kozeny_carman<double>);
   m.def("grain_diameter", &grain_diameter);
   m.def("drag_rate", &drag_rate<double>);
   m.def("brinkman_velocity", &brinkman_velocity<double>);

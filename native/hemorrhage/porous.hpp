@@ -8,23 +8,6 @@
 
 namespace vulnus::hemorrhage {
 
-// Porosity from how much tissue is left: 1 - (1 - eps0) rho_t/rho_t0, within [0.05, 1]
-// (PHYSICS 4.1).
-template <class Real>
-VULNUS_HD Real porosity_from_density(Real density_ratio, Real porosity_intact) {
-  const Real porosity = Real(1) - (Real(1) - porosity_intact) * density_ratio;
-  const Real floored = porosity > Real(0.05) ? porosity : Real(0.05);
-  return floored < Real(1) ? floored : Real(1);
-}
-
-// Kozeny-Carman: K = d^2 eps^3 / (150 (1 - eps)^2) [m^2] for grains of diameter d (PHYSICS 4.3).
-template <class Real>
-VULNUS_HD Real permeability_kozeny_carman(Real grain_diameter, Real porosity) {
-  const Real solid = Real(1) - porosity;
-  return grain_diameter * grain_diameter * porosity * porosity * porosity /
-         (Real(150) * solid * solid);
-}
-
 // Grain diameter [m] by damage: 82 um (a muscle fibre; gives K = 1e-13 m^2, the measured
 // conductivity of intact muscle, at eps = 0.12), 0.5 mm from bruised (0.3) to torn (0.7), 1 mm
 // shredded (1); log-linear between (PHYSICS 4.3).

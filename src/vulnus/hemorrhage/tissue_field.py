@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vulnus.core.arrays import Float32Array
+from vulnus.core.arrays import AnyArray, Float32Array
 from vulnus.core.handoff import InjuredLimb
 
 from . import _native
@@ -44,6 +44,12 @@ def grain_diameters(damage: Float32Array) -> Float32Array:
     return np.asarray(np.exp(np.interp(damage, samples, np.log(table))), dtype=np.float32)
 
 
+def porosity_from_density(density_ratio: AnyArray, porosity_intact: float) -> Float32Array:
+    """ε = 1 - (1 - ε0) ρ_t/ρ_t0 from how much tissue is left, within [0.05, 1] (PHYSICS §4.1)."""
+    solid = np.float32(1.0) - np.float32(porosity_intact)
+    return np.asarray(np.clip(1.0 - solid * density_ratio, 0.05, 1.0), dtype=np.float32)
+
+
 def permeability_kozeny_carman(
     porosity: Float32Array, grain_diameter: Float32Array
 ) -> Float32Array:
@@ -73,8 +79,7 @@ def build_tissue(wound: InjuredLimb, parameters: HemorrhageParameters) -> Tissue
         wound.reference_position, wound.volume, wound.damage, *where
     )
     ratio = now / np.maximum(before, np.float32(REFERENCE_FLOOR))
-    eps0 = np.float32(parameters.porosity_intact)
-    porosity = np.clip(1.0 - (1.0 - eps0) * ratio, 0.05, 1.0).astype(np.float32)
+    porosity = porosity_from_density(ratio, parameters.porosity_intact)
     if parameters.permeability_model == "constant" or parameters.as_printed:
         permeability = np.full_like(porosity, parameters.permeability_constant)
     else:

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vulnus.hemorrhage import _native
+from vulnus.hemorrhage.tissue_field import (
+    grain_diameters,
+    permeability_kozeny_carman,
+    porosity_from_density,
+)
 
 
 @pytest.mark.parametrize(
@@ -17,13 +23,13 @@ from vulnus.hemorrhage import _native
 )
 def test_kozeny_carman_gives_the_table(porosity, grain, permeability):
     """PHYSICS 4.3, whose numbers have two digits."""
-    found = _native.permeability_kozeny_carman(grain, porosity)
-    assert found == pytest.approx(permeability, rel=0.05)
+    found = permeability_kozeny_carman(np.float32([porosity]), np.float32([grain]))
+    assert found[0] == pytest.approx(permeability, rel=0.05)
 
 
 def test_intact_muscle_is_as_tight_as_measured():
     """PHYSICS 4.3: 8e-14 to 8e-13 m^2 measured."""
-    k = _native.permeability_kozeny_carman(_native.grain_diameter(0.0), 0.12)
+    (k,) = permeability_kozeny_carman(np.float32([0.12]), grain_diameters(np.float32([0.0])))
     assert 8e-14 < k < 8e-13
 
 
@@ -34,9 +40,10 @@ def test_grains_grow_with_damage():
 
 
 def test_porosity_of_intact_empty_and_packed_tissue():
-    assert _native.porosity_from_density(1.0, 0.12) == pytest.approx(0.12)
-    assert _native.porosity_from_density(0.0, 0.12) == 1.0
-    assert _native.porosity_from_density(2.0, 0.12) == 0.05
+    intact, empty, packed = porosity_from_density(np.float32([1.0, 0.0, 2.0]), 0.12)
+    assert intact == pytest.approx(0.12)
+    assert empty == 1.0
+    assert packed == np.float32(0.05)
 
 
 def test_pressure_is_linear_in_density():
