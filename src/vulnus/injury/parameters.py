@@ -3,19 +3,67 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
 
 from vulnus.core.arrays import Vector3
 from vulnus.core.constants import STANDARD_GRAVITY
 
+ProjectileShape = Literal["sphere", "cylinder", "ogive", "stl", "blade"]
+"""Form of a projectile; its long axis lies along the flight, nose ahead, unless it is turned."""
+
+Motion = Literal["kinematic", "dynamic"]
+"""kinematic: keeps its velocity, as in the paper; dynamic: six degrees of freedom, needs a mass."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProjectileParameters:
-    """A rigid sphere that keeps its velocity, as in the paper (section 2.2)."""
+    """What flies: by default a rigid sphere that keeps its velocity, as in the paper (2.2).
 
+    Which sizes count depends on `shape`: sphere: diameter; cylinder: diameter, length; ogive:
+    diameter, length, nose_length; stl: mesh; blade: length, width, thickness, tip_length, depth.
+    The values are complete: a scenario resolves the names of the table of projectiles before.
+    """
+
+    name: str | None = None
+    """Name in the table of projectiles that the values come from, for reports; None: none."""
+    shape: ProjectileShape = "sphere"
+    """Form of the body; the paper's is a sphere."""
+    motion: Motion = "kinematic"
+    """Whether the tissue slows and turns the body; the paper's keeps its velocity."""
     diameter: float = 0.009
-    """Diameter [m]; chosen: a 9 mm ball, the calibre of PHYSICS.md section 2's sphere tests."""
+    """Diameter [m]; chosen: a 9 mm ball, the calibre of PHYSICS.md section 2's sphere tests. For
+    stl and blade: of the track that is looked for, at most the body's width."""
+    length: float = 0.0
+    """Length [m] of cylinder, ogive and blade; 0 for the others."""
+    nose_length: float = 0.0
+    """Length [m] of the ogive's nose, up to the whole length."""
+    width: float = 0.0
+    """Width [m] of the blade, from back to edge."""
+    thickness: float = 0.0
+    """Thickness [m] of the blade."""
+    tip_length: float = 0.0
+    """Length [m] over which the blade narrows to its tip."""
+    mass: float | None = None
+    """Mass [kg]; a dynamic body needs it."""
+    mesh: Path | None = None
+    """STL file of a closed surface, nose towards +x."""
+    mesh_scale: float = 1e-3
+    """Length [m] of the file's unit; millimetres by default."""
     speed: float = 350.0
     """Speed [m/s]; chosen: that of a 9x19 mm bullet, 350-380 m/s (PHYSICS.md section 2)."""
+    yaw: float = 0.0
+    """Angle [rad] of the long axis beside the flight at first contact, nose to the right of a
+    flier who stands upright (proximal is up)."""
+    pitch: float = 0.0
+    """Angle [rad] of the long axis above the flight at first contact, nose up."""
+    roll: float = 0.0
+    """Turn [rad] about the long axis, clockwise seen from behind: how a blade is held (0: its
+    width lies along the limb)."""
+    spin: float = 0.0
+    """Angular velocity [rad/s] about the long axis, clockwise from behind (right-hand twist)."""
+    depth: float = 0.0
+    """How deep [m] behind the skin a blade's tip is thrust before it is drawn back as fast."""
     friction: float = 0.1
     """Coulomb coefficient between projectile and tissue; chosen: a wet, smooth metal surface."""
 
@@ -44,11 +92,21 @@ class AimParameters:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ShotParameters:
+    """One projectile and its own line of flight."""
+
+    projectile: ProjectileParameters = field(default_factory=ProjectileParameters)
+    aim: AimParameters = field(default_factory=AimParameters)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class InjuryParameters:
     """One shot: the projectile, its line, and the resolution of the material point method."""
 
     projectile: ProjectileParameters = field(default_factory=ProjectileParameters)
     aim: AimParameters = field(default_factory=AimParameters)
+    other_shots: tuple[ShotParameters, ...] = ()
+    """Further projectiles that touch the limb at the same time as the first, each on its line."""
     grid_spacing: float = 0.003
     """Edge of a grid cell [m]; chosen: a third of a 9 mm ball (PHYSICS.md 1.6 asks for a fifth
     where the tract's shape matters, 0.002)."""
