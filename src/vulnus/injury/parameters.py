@@ -12,6 +12,13 @@ from vulnus.core.constants import STANDARD_GRAVITY
 ProjectileShape = Literal["sphere", "cylinder", "ogive", "stl", "blade"]
 """Form of a projectile; its long axis lies along the flight, nose ahead, unless it is turned."""
 
+InjuryMode = Literal["full", "paper"]
+"""full: the passage, then the collapse of the temporary cavity; paper: the passage alone, and what
+is there at its end is the wound (Chong 2017, section 2.2)."""
+
+WoundState = Literal["temporary", "permanent"]
+"""temporary: when the cavity is largest; permanent: at the end, when it has collapsed."""
+
 Motion = Literal["kinematic", "dynamic"]
 """kinematic: keeps its velocity, as in the paper; dynamic: six degrees of freedom, needs a mass."""
 
@@ -89,6 +96,10 @@ class AimParameters:
     """Height that the projectile comes from [rad]: > 0 from above; -pi/2 to pi/2."""
     direction: Vector3 | None = None
     """Direction of flight, of any length; takes precedence over the two angles."""
+    start: Vector3 | None = None
+    """Where the projectile's middle is before the shot [m], outside the limb, as the muzzle of a
+    contact shot; None: far enough away. It replaces the direction: it flies from here through the
+    point."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,19 +121,37 @@ class InjuryParameters:
     grid_spacing: float = 0.003
     """Edge of a grid cell [m]; chosen: a third of a 9 mm ball (PHYSICS.md 1.6 asks for a fifth
     where the tract's shape matters, 0.002)."""
-    duration: float = 1e-3
-    """Time from first contact to the exported geometry [s]; 1 ms as in the paper (section 2.2)."""
+    mode: InjuryMode = "full"
+    """Whether the cavity's collapse is computed too, or the passage alone, as in the paper."""
+    duration: float | None = None
+    """Time from first contact to the end of the run [s]; None: 1 ms in the mode "paper" (section
+    2.2), else 15 ms, when a temporary cavity has collapsed (5-15 ms, PHYSICS 2)."""
+    phase_one: float = 1e-3
+    """Least time [s] with the tissues' true moduli; they stay as long as the projectile is in the
+    limb. Chosen: as long as the paper's whole run."""
+    relaxation_sound_speed: float = 300.0
+    """Speed of sound [m/s] that every tissue is slowed to after that, by a lower bulk modulus, so
+    that the collapse takes larger steps; chosen: ten times the speed of a collapsing cavity's wall.
+    0: the true moduli to the end."""
+    bleeds_from: WoundState = "permanent"
+    """Which state of the wound bleeds and is drawn."""
     courant_number: float = 0.4
     """Part of a cell that sound and matter may cross in one step; 0.3-0.4 (PHYSICS.md 1.5)."""
     window_length: float | None = 0.12
     """Length of the limb that is simulated, along its long axis around the track [m]; None: the
     whole limb. Tissue outside stays where it is. Chosen: 0.12, PHYSICS.md 1.6."""
     held_length: float = 0.006
-    """Length [m] at both ends of the window where the tissue is held fast; chosen: two cells."""
+    """Length [m] at both ends of the limb where the tissue is held fast; chosen: two cells."""
+    absorbing_length: float = 0.012
+    """Length [m] inside an end where the window cuts the limb over which waves are taken up, so
+    that the rest of the limb need not be there; 0: such an end is held like the limb's own.
+    Chosen: four cells."""
     gravity: Vector3 = (0.0, 0.0, -STANDARD_GRAVITY)
     """Acceleration of gravity [m/s²]; a standing patient by default."""
     frame_interval: float = 5e-5
-    """Time between exported frames [s]; chosen: 20 frames in 1 ms."""
+    """Time between exported frames during `phase_one` [s]; chosen: 20 frames in 1 ms."""
+    relaxation_frame_interval: float = 5e-4
+    """Time between exported frames after that [s]; chosen: 28 frames until 15 ms."""
     bone_modulus_scale: float = 0.3
     """Factor on the elastic moduli of cortical bone, 1 for the true stiffness; 0.3 (17 to 5 GPa)
     halves the number of steps and changes little in soft tissue (PHYSICS.md 1.5)."""
@@ -131,7 +160,17 @@ class InjuryParameters:
     circumferential and axial strips at high rate (Mohan & Melbin 1983, from memory)."""
     damage_threshold: float = 0.9
     """Damage from which tissue counts as destroyed; 0.9 (PHYSICS.md 1.4)."""
+    laceration_threshold: float = 0.1
+    """Destroyed share of an artery's wall, around its circumference, from which it is lacerated;
+    from `damage_threshold` it is transected. Chosen: a tear of a tenth is seen at surgery."""
     threads: int = 0
     """Number of threads, 0 for all; the result does not depend on it."""
     seed: int = 0
     """Seed of the run; the stage itself draws no random numbers."""
+
+    @property
+    def end_time(self) -> float:
+        """Time from first contact to the end of the run [s]."""
+        if self.duration is not None:
+            return self.duration
+        return 1e-3 if self.mode == "paper" else 15e-3

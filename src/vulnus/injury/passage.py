@@ -69,7 +69,7 @@ def _run(
         solver.restore(saved)
         wall = float(saved["wall"])
 
-    progress.begin("injury", parameters.duration / MILLISECOND, "ms")
+    progress.begin("injury", parameters.end_time / MILLISECOND, "ms")
 
     def report() -> None:
         progress.update(solver.time / MILLISECOND, f"{solver.steps} steps")
@@ -94,9 +94,9 @@ def _run(
 
 def _frame_times(parameters: InjuryParameters) -> list[tuple[int, float]]:
     """Index and time [s] of every frame after the first; the last one is at `duration`."""
-    count = math.ceil(parameters.duration / parameters.frame_interval - 1e-9)
+    count = math.ceil(parameters.end_time / parameters.frame_interval - 1e-9)
     times = [index * parameters.frame_interval for index in range(1, count)]
-    return list(enumerate([*times, parameters.duration], start=1))
+    return list(enumerate([*times, parameters.end_time], start=1))
 
 
 def _frame(limb: LimbModel, setup: ShotSetup, index: int) -> ParticleFrame:

@@ -164,7 +164,7 @@ def _place_tracers(
 
 
 def _check(parameters: InjuryParameters) -> None:
-    for name in ("grid_spacing", "duration", "frame_interval", "bone_modulus_scale"):
+    for name in ("grid_spacing", "end_time", "frame_interval", "bone_modulus_scale"):
         value = getattr(parameters, name)
         if not (math.isfinite(value) and value > 0.0):
             raise ScenarioError(

@@ -106,11 +106,11 @@ class InjurySection(Section):
     grid_spacing_mm: float = quantity(
         InjuryParameters, "grid_spacing", "mm", "edge of a grid cell", ge=0.5, le=30
     )
-    duration_ms: float = quantity(
+    duration_ms: float | None = quantity(
         InjuryParameters,
         "duration",
         "ms",
-        "from first contact to the geometry that bleeds",
+        'from first contact to the end; "auto": 1 ms in the mode "paper", else 15 ms',
         gt=0,
         le=100,
     )
