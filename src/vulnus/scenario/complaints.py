@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from vulnus.core.errors import ScenarioError
 
-from .quantity import Section, may_be_auto, unit_of
+from .quantity import Section, may_be_auto, tables_of, unit_of
 from .toml_text import limits_of, value_as_toml
 
 _LONGEST_VALUE = 60
@@ -28,7 +28,7 @@ _KINDS = {
     "finite_number": "must be a finite number",
     "string_too_short": "must not be empty",
 }
-_TABLE = re.compile(r"^\s*\[\s*([^\[\]]+?)\s*\]")
+_TABLE = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]")
 _KEY = re.compile(r"""^\s*([A-Za-z0-9_\-."' ]+?)\s*=""")
 
 
@@ -69,12 +69,12 @@ class Complaint:
     ) -> None:
         self.key = dotted(error["loc"])
         name = re.sub(r"\[\d+\]", "", self.key)
-        line = lines.get(name)
+        line = lines.get(self.key) or lines.get(re.sub(r"\[\d+\]$", "", self.key))
         self.place = f", line {line}" if line else ""
         if error["type"] == "extra_forbidden":
             self.subject = self.key
             self.problem = "this key is not known"
-            self.advice = nearest_key(self.key, known)
+            self.advice = nearest_key(name, known)
             return
         value = repr(error["input"])
         if isinstance(error["input"], dict):
@@ -99,7 +99,7 @@ def all_keys(config: type[Section], path: str = "") -> Iterator[str]:
     for name, field in config.model_fields.items():
         key = f"{path}.{name}" if path else name
         yield key
-        inner = field.annotation
+        inner = tables_of(field) or field.annotation
         if isinstance(inner, type) and issubclass(inner, Section):
             yield from all_keys(inner, key)
 
@@ -116,6 +116,8 @@ def nearest_key(key: str, known: Sequence[str]) -> str:
     if name in by_name:
         return f"Did you mean {by_name[name]}?"
     siblings = [k for k in known if k.rpartition(".")[0] == table]
+    if without_unit := [k for k in siblings if k.startswith(f"{key}_")]:
+        return f"Did you mean {without_unit[0]}?"
     close = difflib.get_close_matches(key, siblings, n=1, cutoff=0.6)
     if not close:
         close = [by_name[n] for n in difflib.get_close_matches(name, by_name, n=1, cutoff=0.6)]
@@ -127,15 +129,26 @@ def nearest_key(key: str, known: Sequence[str]) -> str:
 def key_lines(text: str) -> dict[str, int]:
     """Dotted key to its line number; a plain scan that is only used to show the line."""
     found: dict[str, int] = {}
+    counts: dict[str, int] = {}
     table = ""
     for number, line in enumerate(text.splitlines(), start=1):
         if header := _TABLE.match(line):
-            table = _plain(header[1])
+            table = _numbered(_plain(header[2]), counts, begins_another=header[1] == "[[")
             found.setdefault(table, number)
         elif key := _KEY.match(line):
             name = _plain(key[1])
             found.setdefault(f"{table}.{name}" if table else name, number)
     return found
+
+
+def _numbered(table: str, counts: dict[str, int], *, begins_another: bool) -> str:
+    """`table` as pydantic names it: injury.projectiles[1].aim; `counts` the [[..]] so far."""
+    if begins_another:
+        counts[table] = counts.get(table, 0) + 1
+    for name, count in counts.items():
+        if table == name or table.startswith(f"{name}."):
+            return f"{name}[{count - 1}]{table.removeprefix(name)}"
+    return table
 
 
 def _plain(key: str) -> str:
@@ -170,11 +183,10 @@ def _advice(config: type[Section], key: str) -> str:
     *tables, name = key.split(".")
     for table in tables:
         field = section.model_fields.get(table)
-        if field is None or not isinstance(field.annotation, type):
+        inner = None if field is None else tables_of(field) or field.annotation
+        if not (isinstance(inner, type) and issubclass(inner, Section)):
             return "Correct it"
-        if not issubclass(field.annotation, Section):
-            return "Correct it"
-        section = field.annotation
+        section = inner
     field = section.model_fields.get(name)
     if field is None or isinstance(field.default, Section):
         return "Correct it"

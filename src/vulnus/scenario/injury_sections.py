@@ -1,108 +1,30 @@
-"""The scenario's tables about the shot: projectile, aim and resolution of the passage."""
+"""The scenario's table about the passage: mode, resolution, window and thresholds."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from annotated_types import Len
-from pydantic import Field, field_validator, model_validator
+from pydantic import model_validator
 
 from vulnus.core.arrays import Vector3
 from vulnus.core.units import MILLIMETRE
-from vulnus.injury.parameters import AimParameters, InjuryParameters, ProjectileParameters
+from vulnus.injury.parameters import InjuryMode, InjuryParameters, WoundState
 
+from .projectile_sections import AimSection, ProjectileSection, ShotSection
 from .quantity import Section, choice, quantity, to_parameters
-
-Coordinate = Annotated[float, Field(ge=-5000, le=5000)]
-Triple = Annotated[list[float], Len(3, 3)]
-
-
-class ProjectileSection(Section):
-    """[injury.projectile]: a rigid sphere that keeps its velocity."""
-
-    diameter_mm: float = quantity(
-        ProjectileParameters, "diameter", "mm", "diameter of the sphere", gt=0, le=40
-    )
-    speed_m_per_s: float = quantity(
-        ProjectileParameters, "speed", "m/s", "speed of the sphere", gt=0, le=1500
-    )
-    friction: float = quantity(
-        ProjectileParameters, "friction", "", "Coulomb's, against tissue", ge=0, le=2
-    )
-
-
-class AimSection(Section):
-    """[injury.aim]: one point on the line of flight and one direction."""
-
-    artery: str | None = choice(
-        None,
-        "the line of flight meets this artery's centre-line (popliteal, anterior_tibial, "
-        'posterior_tibial, fibular); "auto": anterior_tibial, or target_mm where it is given',
-        min_length=1,
-    )
-    fraction: float = quantity(
-        AimParameters,
-        "fraction",
-        "",
-        "where on the artery, as a part of its length from its proximal end",
-        ge=0,
-        le=1,
-    )
-    target_mm: Annotated[list[Coordinate], Len(3, 3)] | None = quantity(
-        AimParameters,
-        "target",
-        "mm",
-        "a point on the line of flight, instead of an artery: x to the patient's left, "
-        'y posterior, z superior; "auto": the artery\'s point',
-    )
-    azimuth_deg: float = quantity(
-        AimParameters,
-        "azimuth",
-        "deg",
-        "side the projectile comes from, seen from above: 0 anterior, 90 the patient's left, "
-        "180 posterior, 270 the patient's right",
-        ge=-360,
-        le=360,
-    )
-    elevation_deg: float = quantity(
-        AimParameters,
-        "elevation",
-        "deg",
-        "height the projectile comes from: > 0 from above",
-        ge=-90,
-        le=90,
-    )
-    direction: Triple | None = quantity(
-        AimParameters,
-        "direction",
-        "",
-        'direction of flight (x, y, z), instead of the two angles; "auto": the angles',
-    )
-
-    @field_validator("direction")
-    @classmethod
-    def _points_somewhere(cls, direction: list[float] | None) -> list[float] | None:
-        if direction is not None and not any(direction):
-            raise ValueError("must not be [0, 0, 0]: a direction has a length")
-        return direction
-
-    @model_validator(mode="after")
-    def _one_point(self) -> AimSection:
-        if self.artery is not None and self.target_mm is not None:
-            raise ValueError("give artery or target_mm, not both: each fixes the line of flight")
-        return self
-
-    def parameters(self) -> AimParameters:
-        """Artery or target, and direction, in SI."""
-        chosen: dict[str, Any] = {"artery": self.artery}
-        if self.artery is None and self.target_mm is None:
-            chosen = {}
-        return to_parameters(self, AimParameters, **chosen)
 
 
 class InjurySection(Section):
     """[injury]: the projectile's passage through the limb (equation 1)."""
 
+    mode: InjuryMode = quantity(
+        InjuryParameters,
+        "mode",
+        "",
+        "full: until the temporary cavity has collapsed; paper: the passage alone, whose last "
+        "instant is the wound",
+    )
     grid_spacing_mm: float = quantity(
         InjuryParameters, "grid_spacing", "mm", "edge of a grid cell", ge=0.5, le=30
     )
@@ -110,9 +32,31 @@ class InjurySection(Section):
         InjuryParameters,
         "duration",
         "ms",
-        'from first contact to the end; "auto": 1 ms in the mode "paper", else 15 ms',
+        'from first contact to the end; "auto": 1 in the mode paper, 15 in the mode full',
         gt=0,
-        le=100,
+        le=200,
+    )
+    phase_one_ms: float = quantity(
+        InjuryParameters,
+        "phase_one",
+        "ms",
+        "least time with the true moduli, which stay while the projectile is in the limb",
+        gt=0,
+        le=200,
+    )
+    relaxation_sound_speed_m_per_s: float = quantity(
+        InjuryParameters,
+        "relaxation_sound_speed",
+        "m/s",
+        "speed of sound that tissues are slowed to after that; 0: the true moduli to the end",
+        ge=0,
+        le=6000,
+    )
+    bleeds_from: WoundState = quantity(
+        InjuryParameters,
+        "bleeds_from",
+        "",
+        "state of the wound that bleeds and is drawn; the mode paper has only permanent",
     )
     courant_number: float = quantity(
         InjuryParameters,
@@ -133,12 +77,33 @@ class InjurySection(Section):
         InjuryParameters,
         "held_length",
         "mm",
-        "length at both ends of the window where the tissue is held fast",
+        "length at both ends of the limb where the tissue is held fast",
         ge=0,
         le=100,
     )
+    absorbing_length_mm: float = quantity(
+        InjuryParameters,
+        "absorbing_length",
+        "mm",
+        "length inside a cut end of the window that takes up waves; 0: that end is held",
+        ge=0,
+        le=200,
+    )
     frame_interval_ms: float = quantity(
-        InjuryParameters, "frame_interval", "ms", "between two saved frames", gt=0, le=100
+        InjuryParameters,
+        "frame_interval",
+        "ms",
+        "between two saved frames of the passage",
+        gt=0,
+        le=100,
+    )
+    relaxation_frame_interval_ms: float = quantity(
+        InjuryParameters,
+        "relaxation_frame_interval",
+        "ms",
+        "between two saved frames after it",
+        gt=0,
+        le=100,
     )
     bone_modulus_scale: float = quantity(
         InjuryParameters,
@@ -164,16 +129,51 @@ class InjurySection(Section):
         gt=0,
         le=1,
     )
+    laceration_threshold: float = quantity(
+        InjuryParameters,
+        "laceration_threshold",
+        "",
+        "destroyed share of an artery's wall from which it is lacerated",
+        gt=0,
+        le=1,
+    )
+    projectiles: Annotated[list[ShotSection], Len(0, 20)] = choice(
+        [],
+        "several projectiles at once, each a table [[injury.projectiles]] with the keys of "
+        "[injury.projectile] and [injury.projectiles.aim], in place of those two tables",
+    )
     projectile: ProjectileSection = ProjectileSection()
     aim: AimSection = AimSection()
 
+    @model_validator(mode="after")
+    def _one_or_several(self) -> InjurySection:
+        single = self.projectile != ProjectileSection() or self.aim != AimSection()
+        if self.projectiles and single:
+            raise ValueError(
+                "give [injury.projectile] and [injury.aim], or [[injury.projectiles]], not both"
+            )
+        return self
+
+    @property
+    def shots(self) -> list[ProjectileSection]:
+        """The projectiles of one shot or of several."""
+        return [*self.projectiles] or [self.projectile]
+
     def parameters(self, *, seed: int, threads: int, gravity: Vector3) -> InjuryParameters:
         """The stage's parameters in SI."""
+        may_move = self.mode == "full"
+        shots = [one.shot(may_move=may_move) for one in self.projectiles]
+        if shots:
+            projectile, aim = shots[0].projectile, shots[0].aim
+        else:
+            projectile = self.projectile.parameters(may_move=may_move)
+            aim = self.aim.parameters()
         return to_parameters(
             self,
             InjuryParameters,
-            projectile=to_parameters(self.projectile, ProjectileParameters),
-            aim=self.aim.parameters(),
+            projectile=projectile,
+            aim=aim,
+            other_shots=tuple(shots[1:]),
             window_length=self.window_length_mm * MILLIMETRE or None,
             gravity=gravity,
             seed=seed,

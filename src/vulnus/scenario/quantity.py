@@ -6,9 +6,10 @@ A key's default is the parameter's own default in the key's unit, so that no num
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
@@ -28,6 +29,7 @@ UNITS: Mapping[str, float] = {
     "m/s": 1.0,
     "mPa s": 1e-3,
     "kg/m³": 1.0,
+    "g": units.GRAM,
     "m²": 1.0,
     "mm²": units.SQUARE_MILLIMETRE,
     "ml": units.MILLILITRE,
@@ -40,6 +42,7 @@ UNITS: Mapping[str, float] = {
     "Pa s/m³": 1.0,
     "1/min": 1.0 / 60.0,
     "1/s": 1.0,
+    "rev/s": 2.0 * math.pi,
     "px": 1.0,
 }
 """Unit of a key, as its comment shows it, to SI."""
@@ -78,9 +81,30 @@ def quantity(owner: type, parameter: str, unit: str, meaning: str, **limits: Any
     )
 
 
+def auto_quantity(parameter: str, unit: str, meaning: str, **limits: Any) -> Any:
+    """A key that becomes `parameter` [SI], given in `unit`; "auto", its default, is the program's.
+
+    What "auto" stands for is the section's business.
+    """
+    return Field(
+        default=None,
+        description=meaning,
+        json_schema_extra={"unit": unit, "parameter": parameter},
+        **limits,
+    )
+
+
 def choice(default: Any, meaning: str, unit: str = "", **limits: Any) -> Any:
     """A key that becomes no single parameter, with its own default."""
     return Field(default=default, description=meaning, json_schema_extra={"unit": unit}, **limits)
+
+
+def tables_of(field: FieldInfo) -> type[Section] | None:
+    """The table that a key holds any number of, as [[injury.projectiles]]; None for other keys."""
+    for inner in get_args(field.annotation):
+        if isinstance(inner, type) and issubclass(inner, Section):
+            return inner
+    return None
 
 
 def unit_of(field: FieldInfo) -> str:

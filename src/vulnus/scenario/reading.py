@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,15 @@ from vulnus.imaging.parameters import BUILTIN_LEG
 from .complaints import scenario_error
 from .config import ScenarioConfig
 from .presets import preset_texts
+from .quantity import AUTO
 
 _LARGEST_FILE = 1 << 20
-_POINT_KEYS = ("artery", "target_mm")
+_ALTERNATIVES = (
+    (("artery", "target_mm"), ("artery", "target_mm")),
+    (("projectiles",), ("projectile", "aim")),
+    (("projectile", "aim"), ("projectiles",)),
+)
+"""Keys of a scenario, and which of its preset's they replace: one way to say it for another."""
 
 
 def read_config(source: str | Path) -> ScenarioConfig:
@@ -103,8 +110,9 @@ def _parse(text: str, file: str) -> dict[str, Any]:
 def _over(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
     """`base` with what `top` says instead; tables are merged key by key."""
     merged = dict(base)
-    if any(key in top for key in _POINT_KEYS):  # one of two ways to aim replaces the other
-        merged = {key: value for key, value in merged.items() if key not in _POINT_KEYS}
+    for keys, replaced in _ALTERNATIVES:
+        if any(key in top for key in keys):
+            merged = {key: value for key, value in merged.items() if key not in replaced}
     for key, value in top.items():
         below = merged.get(key)
         both = isinstance(below, dict) and isinstance(value, dict)
@@ -113,14 +121,24 @@ def _over(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
 
 
 def _resolve_paths(tables: dict[str, Any], folder: Path) -> None:
-    imaging = tables.get("imaging")
-    if not isinstance(imaging, dict):
-        return
-    for key, words in (("source", (BUILTIN_LEG, "")), ("centrelines", ("auto", ""))):
-        value = imaging.get(key)
+    for table, key, words in _paths(tables):
+        value = table.get(key)
         if isinstance(value, str) and value not in words and "\0" not in value:
             # Not resolve(): a link stays a link, as the user named it.
-            imaging[key] = str((folder / Path(value).expanduser()).absolute())
+            table[key] = str((folder / Path(value).expanduser()).absolute())
+
+
+def _paths(tables: dict[str, Any]) -> Iterator[tuple[dict[str, Any], str, tuple[str, ...]]]:
+    """Tables and their keys that hold a path, and the words that are none."""
+    imaging, injury = tables.get("imaging"), tables.get("injury")
+    if isinstance(imaging, dict):
+        yield imaging, "source", (BUILTIN_LEG, "")
+        yield imaging, "centrelines", (AUTO, "")
+    if isinstance(injury, dict):
+        several = injury.get("projectiles")
+        for one in (injury.get("projectile"), *(several if isinstance(several, list) else ())):
+            if isinstance(one, dict):
+                yield one, "stl", (AUTO, "")
 
 
 def _nearest_preset(name: str) -> str:

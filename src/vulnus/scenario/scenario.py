@@ -20,7 +20,7 @@ from vulnus.visualization.parameters import VisualizationParameters
 
 from .config import ScenarioConfig
 from .presets import preset_texts, purpose
-from .quantity import Section
+from .quantity import Section, tables_of
 from .reading import parse_config, read_config
 from .toml_text import as_toml, value_as_toml
 
@@ -67,7 +67,7 @@ def _require_file(path: Path, scenario: str) -> None:
         raise InputFileError(
             str(path),
             f"it is a directory, not a file (named in {scenario})",
-            "Name a file in it in [imaging]",
+            "Name a file in it",
         )
     try:
         names = [item.name for item in path.parent.iterdir()]
@@ -77,7 +77,7 @@ def _require_file(path: Path, scenario: str) -> None:
     raise InputFileError(
         str(path),
         f"there is no such file (named in {scenario}, relative to its folder)",
-        f"Did you mean {path.with_name(close[0])}?" if close else "Correct the path in [imaging]",
+        f"Did you mean {path.with_name(close[0])}?" if close else "Correct the path",
     )
 
 
@@ -108,11 +108,13 @@ def differences(kept: str, given: str) -> list[str]:
 
 
 def _flat(section: Section, path: str = "") -> Iterator[tuple[str, Any]]:
-    for name in type(section).model_fields:
+    for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         key = f"{path}.{name}" if path else name
         if isinstance(value, Section):
             yield from _flat(value, key)
+        elif tables_of(field):
+            yield key, [item.model_dump() for item in value]
         else:
             yield key, value
 
@@ -130,7 +132,8 @@ def _in_si(config: ScenarioConfig) -> Scenario:
     run = config.run
     threads = run.threads or len(os.sched_getaffinity(0))
     imaging = config.imaging.parameters()
-    files = (imaging.source, imaging.centrelines)
+    meshes = (Path(one.stl) for one in config.injury.shots if one.stl is not None)
+    files = (imaging.source, imaging.centrelines, *meshes)
     return Scenario(
         title=config.title,
         seed=run.seed,

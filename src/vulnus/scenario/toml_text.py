@@ -14,7 +14,7 @@ from typing import Any
 import annotated_types
 from pydantic.fields import FieldInfo
 
-from .quantity import AUTO, Section, unit_of
+from .quantity import AUTO, Section, tables_of, unit_of
 
 _WIDTH = 96
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
@@ -64,18 +64,20 @@ def _table(section: Section, path: str) -> Iterator[str]:
     for key, field in type(section).model_fields.items():
         value = getattr(section, key)
         if isinstance(value, Section):
-            inner.append((key, value))
+            inner.append((f"[{path}.{key}]" if path else f"[{key}]", value))
+            continue
+        if value and tables_of(field):
+            inner += [(f"[[{path}.{key}]]", item) for item in value]
             continue
         yield from _comment(field.description or key)
         notes = ", ".join(note for note in (unit_of(field), limits_of(field)) if note)
         yield f"{key} = {value_as_toml(value)}" + (f"  # {notes}" if notes else "")
-    for key, value in inner:
-        name = f"{path}.{key}" if path else key
+    for header, value in inner:
         yield ""
         title = (type(value).__doc__ or "").split("\n")[0]
         yield from _comment(title.split(": ", 1)[-1])
-        yield f"[{name}]"
-        yield from _table(value, name)
+        yield header
+        yield from _table(value, header.strip("[]"))
 
 
 def _comment(text: str) -> Iterator[str]:

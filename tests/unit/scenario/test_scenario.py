@@ -16,7 +16,7 @@ from vulnus.circulation.parameters import CirculationParameters
 from vulnus.coupling.parameters import CouplingParameters
 from vulnus.hemorrhage.parameters import HemorrhageParameters, PlatformParameters
 from vulnus.imaging.parameters import ImagingParameters
-from vulnus.injury.parameters import InjuryParameters
+from vulnus.injury.parameters import AimParameters, InjuryParameters, ProjectileParameters
 from vulnus.scenario import (
     differences,
     load_scenario,
@@ -25,7 +25,7 @@ from vulnus.scenario import (
     scenario_text,
 )
 from vulnus.scenario.config import ScenarioConfig
-from vulnus.scenario.quantity import UNITS, Section, unit_of
+from vulnus.scenario.quantity import UNITS, Section, tables_of, unit_of
 from vulnus.scenario.toml_text import as_toml, value_as_toml
 from vulnus.visualization.parameters import VisualizationParameters
 
@@ -64,6 +64,8 @@ def test_every_key_has_a_meaning_and_a_known_unit_that_its_name_ends_with() -> N
         "mm": "_mm",
         "ms": "_ms",
         "s": "_s",
+        "g": "_g",
+        "rev/s": "_rev_per_s",
         "deg": "_deg",
         "m/s": "_m_per_s",
         "mPa s": "_mpa_s",
@@ -82,6 +84,8 @@ def test_every_key_has_a_meaning_and_a_known_unit_that_its_name_ends_with() -> N
             if isinstance(field.annotation, type) and issubclass(field.annotation, Section):
                 check(field.annotation)
                 continue
+            if inner := tables_of(field):
+                check(inner)
             unit = unit_of(field)
             assert field.description, key
             assert unit in UNITS
@@ -122,7 +126,17 @@ def test_every_parameter_of_every_stage_has_a_key() -> None:
     elsewhere = {
         AnatomyParameters: {"seed"},
         ImagingParameters: {"source", "centrelines", "label_map", "leg"},
-        InjuryParameters: {"projectile", "aim", "window_length", "gravity", "seed", "threads"},
+        InjuryParameters: {
+            "projectile",
+            "aim",
+            "other_shots",
+            "window_length",
+            "gravity",
+            "seed",
+            "threads",
+        },
+        ProjectileParameters: {"name", "shape", "motion", "mesh"},
+        AimParameters: {"artery"},
         HemorrhageParameters: {"gravity", "platform", "as_printed", "seed", "threads"},
         PlatformParameters: {"point", "normal"},
         VisualizationParameters: {"blood_surface", "film", "seed"},
@@ -134,6 +148,8 @@ def test_every_parameter_of_every_stage_has_a_key() -> None:
         (AnatomyParameters, config.anatomy),
         (ImagingParameters, config.imaging),
         (InjuryParameters, config.injury),
+        (ProjectileParameters, config.injury.projectile),
+        (AimParameters, config.injury.aim),
         (HemorrhageParameters, config.hemorrhage),
         (PlatformParameters, config.hemorrhage.platform),
         (VisualizationParameters, config.visualization),
