@@ -133,6 +133,38 @@ def doctor() -> int:
     return 0 if well else 1
 
 
+@app.command
+def validate(
+    stage: Annotated[str, Parameter(help="Stage to validate: injury.")],
+    *,
+    case: Annotated[
+        list[str] | None,
+        Parameter(help="Cases to run, such as M1 M4; default all.", consume_multiple=True),
+    ] = None,
+    quick: Annotated[bool, Parameter(help="Coarser and shorter, to try it out.")] = False,
+    list_: Annotated[bool, Parameter(name="--list", help="Only list the cases.")] = False,
+    plots: Annotated[
+        bool, Parameter(help="Write plot.png into each case's folder (or the -o directory).")
+    ] = False,
+    output: Annotated[
+        Path | None, Parameter(name=("--output", "-o"), help="Write results.json and plots here.")
+    ] = None,
+    json: Annotated[bool, Parameter(help="Print JSON instead of the table.")] = False,
+) -> int:
+    """Compare a stage with closed forms and published experiments; exit code 1 if one fails."""
+    from vulnus.validation.command import ValidationWishes, list_cases, run_validation
+
+    if list_:
+        list_cases(stage)
+        return 0
+    wishes = ValidationWishes(
+        stage=stage, ids=tuple(case or ()), quick=quick, plots=plots, output=output, json=json
+    )
+    console = _console()
+    with _stoppable(f"vulnus validate {stage}"):
+        return run_validation(wishes, _progress(console), console)
+
+
 @scenario_app.command(name="list")
 def list_scenarios() -> None:
     """List the presets and what each is for."""

@@ -1,19 +1,65 @@
-"""Injury by the material point method: a projectile through the limb (paper, section 2.2)."""
+"""Injury by the material point method: a projectile through the limb (paper, section 2.2).
+
+`shoot` is the pipeline's stage. `Experiment` sets up any other case: docs/guide/injury_experiments.
+"""
 
 from __future__ import annotations
 
+from .combined_solids import Difference, FunctionSolid, HalfSpace, Intersection, Union
+from .experiment import Experiment
+from .experiment_result import ExperimentResult, Fields, SensorRecord, TissueRecord
+from .materials import Material
 from .parameters import AimParameters, InjuryParameters, ProjectileParameters
 from .passage import shoot
+from .rotations import rotation_about
+from .sensors import PointSensor, RegionSensor, SectionSensor, Sensor
 from .shot_line import aim
+from .solids import Ball, Block, Rod, Shell, Solid, Tube
 from .solver import HeldEnds, MpmSolver, RigidSphere
+
+try:
+    from .materials import elastic
+except ImportError:
+
+    def elastic(*, density: float, youngs_modulus: float, poisson_ratio: float) -> Material:
+        """An elastic material."""
+        return Material(
+            density=density,
+            bulk_modulus=youngs_modulus / (3.0 * (1.0 - 2.0 * poisson_ratio)),
+            shear_modulus=youngs_modulus / (2.0 * (1.0 + poisson_ratio)),
+        )
+
 
 __all__ = [
     "AimParameters",
+    "Ball",
+    "Block",
+    "Difference",
+    "Experiment",
+    "ExperimentResult",
+    "Fields",
+    "FunctionSolid",
+    "HalfSpace",
     "HeldEnds",
     "InjuryParameters",
+    "Intersection",
+    "Material",
     "MpmSolver",
+    "PointSensor",
     "ProjectileParameters",
+    "RegionSensor",
     "RigidSphere",
+    "Rod",
+    "SectionSensor",
+    "Sensor",
+    "SensorRecord",
+    "Shell",
+    "Solid",
+    "TissueRecord",
+    "Tube",
+    "Union",
     "aim",
+    "elastic",
+    "rotation_about",
     "shoot",
 ]

@@ -1,0 +1,158 @@
+"""Solids made of others or of anything that tells a signed distance.
+
+half_a_ball = Ball(radius=0.02) & HalfSpace(point=(0, 0, 0), normal=(1, 0, 0))
+gyroid = FunctionSolid(function=distance, lower=(-0.02,) * 3, upper=(0.02,) * 3)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from vulnus.core.arrays import AnyArray, FloatArray, Vector3
+from vulnus.core.errors import ScenarioError
+
+from .checked_values import unit_vector, vector
+from .solids import Solid
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Union(Solid):
+    """All that is in any of the `parts`."""
+
+    parts: tuple[Solid, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse a union of nothing."""
+        Solid.__post_init__(self)
+        _check_parts(self.parts)
+
+    @property
+    def thinnest(self) -> float:
+        """Thickness [m] of the thinnest part."""
+        return min(part.thinnest for part in self.parts)
+
+    def _local_distance(self, local: FloatArray) -> FloatArray:
+        distances = [part.signed_distance(local) for part in self.parts]
+        return np.minimum.reduce(distances)
+
+    def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
+        bounds = [part.bounds for part in self.parts]
+        return (
+            np.minimum.reduce([lower for lower, _ in bounds]),
+            np.maximum.reduce([upper for _, upper in bounds]),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Intersection(Solid):
+    """What is in all of the `parts`."""
+
+    parts: tuple[Solid, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse an intersection of nothing."""
+        Solid.__post_init__(self)
+        _check_parts(self.parts)
+
+    def _local_distance(self, local: FloatArray) -> FloatArray:
+        distances = [part.signed_distance(local) for part in self.parts]
+        return np.maximum.reduce(distances)
+
+    def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
+        bounds = [part.bounds for part in self.parts]
+        return (
+            np.maximum.reduce([lower for lower, _ in bounds]),
+            np.minimum.reduce([upper for _, upper in bounds]),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Difference(Solid):
+    """What is in the `whole` but not in what is `taken` away."""
+
+    whole: Solid
+    taken: Solid
+
+    @property
+    def thinnest(self) -> float:
+        """Thickness [m] of the whole: how thin the rest is, is not known."""
+        return self.whole.thinnest
+
+    def _local_distance(self, local: FloatArray) -> FloatArray:
+        inside, away = self.whole.signed_distance(local), self.taken.signed_distance(local)
+        return np.maximum(inside, -away)
+
+    def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
+        return self.whole.bounds
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class HalfSpace(Solid):
+    """All on the side of a plane that `normal` points to; only of use to cut other solids."""
+
+    point: Vector3
+    normal: Vector3
+
+    def __post_init__(self) -> None:
+        """Refuse a normal without direction."""
+        Solid.__post_init__(self)
+        vector("point", self.point)
+        unit_vector("normal", self.normal)
+
+    @property
+    def thinnest(self) -> float:
+        """Without limit."""
+        return float("inf")
+
+    def _local_distance(self, local: FloatArray) -> FloatArray:
+        normal = np.asarray(unit_vector("normal", self.normal))
+        distance: FloatArray = -(local - np.asarray(self.point)) @ normal
+        return distance
+
+    def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
+        normal = np.asarray(unit_vector("normal", self.normal))
+        lower = np.where(normal == 1.0, self.point, -np.inf)
+        upper = np.where(normal == -1.0, self.point, np.inf)
+        return lower, upper
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FunctionSolid(Solid):
+    """The inside of a signed distance `function` of points (n, 3) [m], negative inside, (n,) [m].
+
+    `lower` and `upper` [m] are two corners of a box that holds all of it. The function need not be
+    a true distance, but its slope beside the surface must be about 1.
+    """
+
+    function: Callable[[FloatArray], AnyArray]
+    lower: Vector3
+    upper: Vector3
+
+    def __post_init__(self) -> None:
+        """Refuse a function that does not give one finite number a point."""
+        Solid.__post_init__(self)
+        lower, upper = vector("lower", self.lower), vector("upper", self.upper)
+        if not np.all(np.asarray(upper) > lower):
+            raise ScenarioError("upper", f"is {upper}, must be above lower {lower}", "Swap them?")
+        self._local_distance(np.array([lower, upper]))
+
+    def _local_distance(self, local: FloatArray) -> FloatArray:
+        distance = np.asarray(self.function(local), dtype=np.float64)
+        if distance.shape != (len(local),) or not np.isfinite(distance).all():
+            raise ScenarioError(
+                "function",
+                f"gave shape {distance.shape} for {len(local)} points, or a value not finite",
+                "It takes points (n, 3) [m] and gives distances (n,) [m], negative inside.",
+            )
+        return distance
+
+    def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
+        return np.asarray(self.lower, np.float64), np.asarray(self.upper, np.float64)
+
+
+def _check_parts(parts: tuple[Solid, ...]) -> None:
+    if not parts or not all(isinstance(part, Solid) for part in parts):
+        raise ScenarioError("parts", f"are {parts!r}", "Give a tuple of at least one solid.")

@@ -1,0 +1,152 @@
+"""What is refused before an experiment's first step, with the reason and what helps."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vulnus.core.arrays import FloatArray, Vector3
+from vulnus.core.errors import ScenarioError, StorageError
+
+from .checked_values import positive, vector
+from .solids import Solid, triple
+
+if TYPE_CHECKING:
+    from .experiment_particles import Filling
+
+LEAST_CELLS = 2.0
+"""Cells across the thinnest part of a body; fewer have no bending and half their stiffness."""
+BOX_EXTENTS = 5.0  # extents of the bodies beyond them to each side [chosen: room to fly]
+LEAST_MARGIN = 0.5  # [m] [chosen: 1 ms at 500 m/s]
+OVERLAP_DEPTH = 0.25  # of a point spacing inside another body: touching bodies stay below
+
+
+def courant_number(value: float) -> float:
+    """The Courant number, refused outside (0, 1]."""
+    number = positive("courant_number", value)
+    if number > 1.0:
+        raise ScenarioError("courant_number", f"is {number:g}, must be <= 1", "Use 0.3 to 0.4.")
+    return number
+
+
+def free_name(wish: str | None, kind: str, taken: Collection[str]) -> str:
+    """`wish`, refused where it is taken; without a wish, `kind` with the first free number."""
+    if wish is None:
+        number = 1
+        while f"{kind} {number}" in taken:
+            number += 1
+        return f"{kind} {number}"
+    if not isinstance(wish, str) or not wish or "/" in wish:
+        raise ScenarioError(f"{kind} name", f"is {wish!r}", "Give a text without '/'.")
+    if wish in taken:
+        raise ScenarioError(f"{kind} name", f"{wish!r} is taken", "Give every one its own name.")
+    return wish
+
+
+def body_resolved(name: str, solid: Solid, grid_spacing: float, *, confined: bool) -> None:
+    """Refuse a body that is thinner than two cells, unless walls confine it to a slice."""
+    if not isinstance(solid, Solid):
+        raise ScenarioError("solid", f"is {solid!r}", "Give a Block, Ball, Rod or another Solid.")
+    cells = solid.thinnest / grid_spacing
+    if cells < LEAST_CELLS * (1.0 - 1e-9) and not confined:
+        raise ScenarioError(
+            name,
+            f"is {solid.thinnest:g} m thin, {cells:.2g} cells of {grid_spacing:g} m, and needs "
+            f"{LEAST_CELLS:g}",
+            "Use a smaller grid_spacing; a slice between two walls may be one cell thick.",
+        )
+
+
+def bodies_apart(fillings: Sequence[Filling]) -> None:
+    """Refuse bodies that reach into each other."""
+    for one in fillings:
+        for other in fillings:
+            if one is not other and other.solid is not None:
+                _refuse_inside(one, other.name, other.solid)
+    loose = [filling for filling in fillings if filling.solid is None]
+    for index, one in enumerate(loose):
+        for other in loose[index + 1 :]:
+            _refuse_coincident(one, other)
+
+
+def _refuse_inside(one: Filling, name: str, solid: Solid) -> None:
+    lower, upper = solid.bounds
+    near = ((one.position > lower) & (one.position < upper)).all(axis=1)
+    if not near.any():
+        return
+    spacing = np.cbrt(one.volume[near])
+    inside = solid.signed_distance(one.position[near]) < -OVERLAP_DEPTH * spacing
+    if inside.any():
+        place = one.position[near][inside][0].tolist()
+        raise ScenarioError(
+            one.name,
+            f"overlaps {name}: {np.count_nonzero(inside)} of its particles are inside, the first "
+            f"at {[round(x, 6) for x in place]} m",
+            "Move one, or take it out of the other: solid - other.",
+        )
+
+
+def _refuse_coincident(one: Filling, other: Filling) -> None:
+    from scipy.spatial import cKDTree
+
+    distance, _ = cKDTree(other.position).query(one.position)
+    close = distance < OVERLAP_DEPTH * np.cbrt(one.volume)
+    if close.any():
+        raise ScenarioError(
+            one.name,
+            f"overlaps {other.name}: {np.count_nonzero(close)} particles lie on each other",
+            "Leave out the points that are in both.",
+        )
+
+
+def given_box(lower: Vector3 | None, upper: Vector3 | None) -> tuple[FloatArray, FloatArray] | None:
+    """The box that was given, None where there is none."""
+    if lower is None and upper is None:
+        return None
+    if lower is None or upper is None:
+        raise ScenarioError("box", "has one corner only", "Give lower and upper, or none.")
+    low, high = np.asarray(vector("lower", lower)), np.asarray(vector("upper", upper))
+    if not (high > low).all():
+        raise ScenarioError("upper", f"is {upper}, must be above lower {lower}", "Swap them?")
+    return low, high
+
+
+def box_around(
+    position: FloatArray,
+    box: tuple[FloatArray, FloatArray] | None,
+    grid_spacing: float,
+    grid_offset: Vector3,
+) -> tuple[Vector3, Vector3]:
+    """The box of the run: the given one or one with room, with its middle on a node of the grid."""
+    lowest, highest = position.min(axis=0), position.max(axis=0)
+    if box is None:
+        margin = max(LEAST_MARGIN, BOX_EXTENTS * float(np.max(highest - lowest)))
+        low, high = lowest - margin, highest + margin
+    else:
+        low, high = box
+        outside = ~((position > low) & (position < high)).all(axis=1)
+        if outside.any():
+            index = int(np.flatnonzero(outside)[0])
+            raise ScenarioError(
+                "box",
+                f"particle {index} at {position[index].tolist()} m lies outside of it",
+                "Make the box larger, or leave out lower and upper.",
+            )
+    # The solver counts from the box's middle, so the middle must be a node.
+    middle = np.asarray(grid_offset) + grid_spacing * np.rint(
+        (0.5 * (low + high) - np.asarray(grid_offset)) / grid_spacing
+    )
+    half = np.maximum(high - middle, middle - low)
+    return triple(middle - half), triple(middle + half)
+
+
+def same_experiment(saved: str, present: str) -> None:
+    """Refuse a checkpoint of another experiment."""
+    if saved != present:
+        raise StorageError(
+            "experiment checkpoint",
+            "it is of another experiment",
+            "Delete it, or use another file.",
+        )

@@ -1,0 +1,71 @@
+"""At which times an experiment is sampled."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from vulnus.core.errors import ScenarioError
+
+from .checked_values import finite, positive
+
+DEFAULT_SAMPLES = 100
+ROUND_OFF = 1e-6  # of an interval: what counts as a whole multiple [chosen: far above round-off]
+
+
+@dataclass(frozen=True, slots=True)
+class SampleSchedule:
+    """Samples at whole multiples of `sample_interval` [s] and at `until` [s].
+
+    Every `samples_per_snapshot`-th of them is a snapshot; 0: none is.
+    """
+
+    until: float
+    sample_interval: float
+    samples_per_snapshot: int
+
+    @classmethod
+    def of(
+        cls,
+        now: float,
+        until: float,
+        sample_interval: float | None,
+        snapshot_interval: float | None,
+    ) -> SampleSchedule:
+        """The schedule that these times [s] describe, refused where they make none."""
+        if not finite("until", until) > now:
+            raise ScenarioError(
+                "until",
+                f"is {until:g} s, must be after the present {now:g} s",
+                "Give a later time.",
+            )
+        interval = until / DEFAULT_SAMPLES
+        if sample_interval is not None:
+            interval = positive("sample_interval", sample_interval)
+        if snapshot_interval is None:
+            return cls(until, interval, 0)
+        ratio = positive("snapshot_interval", snapshot_interval) / interval
+        whole = round(ratio)
+        if whole < 1 or abs(ratio - whole) > ROUND_OFF * ratio:
+            raise ScenarioError(
+                "snapshot_interval",
+                f"is {ratio:g} sample intervals, must be a whole number of them",
+                "Choose a sample_interval that divides it.",
+            )
+        return cls(until, interval, whole)
+
+    def after(self, now: float) -> Iterator[float]:
+        """Times [s] of the samples after `now`, the last at `until`."""
+        index = math.floor(now / self.sample_interval + ROUND_OFF) + 1
+        while index * self.sample_interval < self.until - ROUND_OFF * self.sample_interval:
+            yield index * self.sample_interval
+            index += 1
+        yield self.until
+
+    def is_snapshot(self, time: float) -> bool:
+        """Whether the sample at this time [s] is a snapshot."""
+        if self.samples_per_snapshot == 0:
+            return False
+        ratio = time / (self.samples_per_snapshot * self.sample_interval)
+        return abs(ratio - round(ratio)) * self.samples_per_snapshot < ROUND_OFF
