@@ -20,7 +20,9 @@ from particle_benchmark import ParticleBenchmark
 
 from vulnus.core.handoff import Tissue
 from vulnus.injury.materials import tissue_table
-from vulnus.injury.solver import MpmSolver, RigidSphere, set_threads
+from vulnus.injury.rigid_body import RigidBody
+from vulnus.injury.shapes import Sphere
+from vulnus.injury.solver import MpmSolver, set_threads
 
 SPACING = 0.003
 PARTICLES_PER_CELL = 8
@@ -47,11 +49,13 @@ def loaded_solver(count: int) -> MpmSolver:
     x, tissue, velocity = body(count)
     half = float(np.max(x))
     radius = min(0.0045, half / 3.0)
-    ball = RigidSphere(centre=(0, -half - radius, 0), velocity=(0, 350, 0), radius=radius)
+    ball = RigidBody(
+        shape=Sphere(radius), centre=(0, -half - radius, 0), velocity=(0, 350, 0), friction=0.0
+    )
     solver = MpmSolver(
         materials=tissue_table(SPACING), grid_spacing=SPACING, lower=(-half - 0.5,) * 3,
         upper=(half + 0.5,) * 3, gravity=(0.0, 0.0, -9.81),
-        sphere=ball,
+        bodies=[ball],
     )  # fmt: skip
     volume = np.full(len(x), SPACING**3 / PARTICLES_PER_CELL)
     solver.set_particles(x, volume=volume, material=tissue, velocity=velocity)

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "bindings/injury_bodies.hpp"
 #include "injury/mpm_solver.hpp"
 #include "injury/plasticity.hpp"
 
@@ -19,7 +20,6 @@ using namespace vulnus::injury;
 
 namespace {
 
-using Vec3 = std::array<double, 3>;
 template <class T>
 using Array1 = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 template <class T>
@@ -48,19 +48,15 @@ MaterialTable<T> make_table(Array2<double> rows) {
 }
 
 SolverSettings make_settings(double grid_spacing, double courant_number, Vec3 gravity,
-                             Vec3 domain_lower, Vec3 domain_upper, Vec3 held_axis,
-                             double held_below, double held_above, double largest_step) {
+                             Vec3 domain_lower, Vec3 domain_upper, double largest_step) {
   SolverSettings s;
   s.grid_spacing = grid_spacing;
   s.courant_number = courant_number;
-  s.held_below = held_below;
-  s.held_above = held_above;
   s.largest_step = largest_step;
   for (int a = 0; a < 3; ++a) {
     s.gravity[a] = gravity[a];
     s.domain_lower[a] = domain_lower[a];
     s.domain_upper[a] = domain_upper[a];
-    s.held_axis[a] = held_axis[a];
   }
   return s;
 }
@@ -123,6 +119,21 @@ class Solver {
     return out;
   }
 
+  Result<double> body_state() {
+    const auto& bodies = solver_.bodies();
+    auto out = new_array<double>({bodies.size(), kBodyValues});
+    for (std::size_t k = 0; k < bodies.size(); ++k)
+      std::memcpy(out.data() + k * kBodyValues, &bodies[k].state(), sizeof(BodyState));
+    return out;
+  }
+  void set_body_state(Array2<double> rows) {
+    auto& bodies = solver_.bodies();
+    if (rows.shape(0) != bodies.size() || rows.shape(1) != kBodyValues)
+      throw std::invalid_argument("the saved bodies do not fit this solver");
+    for (std::size_t k = 0; k < bodies.size(); ++k)
+      bodies[k].set_state(body_state_of(rows.data() + k * kBodyValues));
+  }
+
   Result<T> state_fields() {
     const auto& set = solver_.particles();
     auto out = new_array<T>({kParticleFields, std::size_t(set.places())});
@@ -179,23 +190,35 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(
           "__init__",
           [](S* self, Array2<double> materials, double grid_spacing, double courant_number,
-             Vec3 gravity, Vec3 domain_lower, Vec3 domain_upper, Vec3 held_axis, double held_below,
-             double held_above, double largest_step, Vec3 sphere_centre, Vec3 sphere_velocity,
-             double sphere_radius, double sphere_friction) {
-            SolverSettings s =
-                make_settings(grid_spacing, courant_number, gravity, domain_lower, domain_upper,
-                              held_axis, held_below, held_above, largest_step);
-            std::copy(sphere_centre.begin(), sphere_centre.end(), s.sphere.centre);
-            std::copy(sphere_velocity.begin(), sphere_velocity.end(), s.sphere.velocity);
-            s.sphere.radius = sphere_radius;
-            s.sphere.friction = sphere_friction;
-            new (self) S(materials, s);
+             Vec3 gravity, Vec3 domain_lower, Vec3 domain_upper, double largest_step) {
+            new (self) S(materials, make_settings(grid_spacing, courant_number, gravity,
+                                                  domain_lower, domain_upper, largest_step));
           },
           nb::kw_only(), nb::arg("materials"), nb::arg("grid_spacing"), nb::arg("courant_number"),
           nb::arg("gravity"), nb::arg("domain_lower"), nb::arg("domain_upper"),
-          nb::arg("held_axis"), nb::arg("held_below"), nb::arg("held_above"),
-          nb::arg("largest_step"), nb::arg("sphere_centre"), nb::arg("sphere_velocity"),
-          nb::arg("sphere_radius"), nb::arg("sphere_friction"))
+          nb::arg("largest_step"))
+      .def(
+          "add_body",
+          [](S& s, const BodyShape& shape, const RigidBody& body, Array1<double> state) {
+            if (state.shape(0) != kBodyValues)
+              throw std::invalid_argument("a body's state has another length");
+            RigidBody added = body;
+            added.shape = shape;
+            added.set_state(body_state_of(state.data()));
+            s.native().bodies().push_back(added);
+          },
+          nb::arg("shape"), nb::arg("body"), nb::arg("state"))
+      .def(
+          "add_boundary",
+          [](S& s, int kind, Vec3 normal, double height, Vec3 velocity, double friction,
+             double thickness, double rate) {
+            s.native().boundaries().push_back(
+                make_half_space(kind, normal, height, velocity, friction, thickness, rate));
+          },
+          nb::kw_only(), nb::arg("kind"), nb::arg("normal"), nb::arg("height"), nb::arg("velocity"),
+          nb::arg("friction"), nb::arg("thickness"), nb::arg("rate"))
+      .def("body_state", &S::body_state)
+      .def("set_body_state", &S::set_body_state)
       .def("set_particles", &S::set_particles)
       .def("values", &S::values)
       .def("set_values", &S::set_values)
@@ -220,7 +243,19 @@ void bind_solver(nb::module_& m, const char* name) {
       .def_prop_ro("sound_speed", [](S& s) { return s.native().largest_sound_speed(); })
       .def_prop_ro("memory_bytes", [](S& s) { return s.native().memory_bytes(); })
       .def_prop_ro("fault_bits", [](S& s) { return s.native().fault().bits(); })
-      .def_prop_ro("fault_particle", [](S& s) { return s.native().fault().particle(); });
+      .def_prop_ro("fault_particle", [](S& s) { return s.native().fault().particle(); })
+      .def_prop_ro("fault_body", [](S& s) { return s.native().faulty_body(); });
+}
+
+void bind_bodies(nb::module_& m) {
+  nb::class_<BodyShape>(m, "BodyShape")
+      .def_static("make", &make_shape, nb::kw_only(), nb::arg("radius"), nb::arg("expansion_speed"),
+                  nb::arg("distance"), nb::arg("distance_lower"), nb::arg("distance_spacing"),
+                  nb::arg("lower"), nb::arg("upper"), nb::arg("inner_radius"));
+  nb::class_<RigidBody>(m, "RigidBody")
+      .def_static("make", &make_body, nb::kw_only(), nb::arg("motion"), nb::arg("mass"),
+                  nb::arg("inertia"), nb::arg("inverse_inertia"), nb::arg("friction"),
+                  nb::arg("margin"), nb::arg("cutting"), nb::arg("path"));
 }
 
 // Runs the return map on points without a grid: rows of strain b_e - I (xx yy zz xy yz zx), plastic
@@ -258,6 +293,7 @@ Result<double> return_map(Array2<double> table, Array1<std::uint8_t> material, A
 }  // namespace
 
 NB_MODULE(_native, m) {
+  bind_bodies(m);
   bind_solver<float>(m, "Solver32");
   bind_solver<double>(m, "Solver64");
   m.def("return_map32", &return_map<float>);

@@ -7,18 +7,36 @@
 
 namespace vulnus::injury {
 
+namespace {
+
+constexpr double kBlockReach = 2.6;  // cells: half of a block's diagonal, sqrt(3) 1.5
+
+}  // namespace
+
 template <class T>
 double MpmSolver<T>::update_grid(double dt) {
+  for (RigidBody& body : bodies_) body.begin_step(time_, dt, settings_.gravity);
+  near_body_.assign(grid_.active(), 0);
   double largest = 0;
 #pragma omp parallel for schedule(dynamic, 8) reduction(max : largest)
-  for (int i = 0; i < grid_.active(); ++i) largest = std::max(largest, update_block(i, dt));
+  for (int i = 0; i < grid_.active(); ++i) {
+    load_velocity(i, dt);
+    near_body_[i] = block_is_near_a_body(i);
+    if (!near_body_[i]) largest = std::max(largest, finish_block(i, dt));
+  }
+  near_blocks_.clear();
+  for (int i = 0; i < grid_.active(); ++i)
+    if (near_body_[i]) near_blocks_.push_back(i);
+  for (RigidBody& body : bodies_) collide(body);
+#pragma omp parallel for schedule(static) reduction(max : largest)
+  for (std::size_t k = 0; k < near_blocks_.size(); ++k)
+    largest = std::max(largest, finish_block(near_blocks_[k], dt));
   return std::sqrt(largest);
 }
 
-// Momentum to velocity, gravity (equation 1), then the held ends and the projectile; returns the
-// largest squared speed.
+// Momentum to velocity, and gravity (equation 1).
 template <class T>
-double MpmSolver<T>::update_block(int i, double dt) {
+void MpmSolver<T>::load_velocity(int i, double dt) {
   grid_.reduce(i);
   T* node = grid_.nodes(i);
   const T kick[3] = {T(dt * settings_.gravity[0]), T(dt * settings_.gravity[1]),
@@ -29,7 +47,13 @@ double MpmSolver<T>::update_block(int i, double dt) {
     const T loaded = value[0] > T(0) ? T(1) : T(0);
     for (int a = 0; a < 3; ++a) value[1 + a] = value[1 + a] * inverse + loaded * kick[a];
   }
-  collide_block(i);
+}
+
+// The boundaries; returns the largest squared speed of the block's nodes.
+template <class T>
+double MpmSolver<T>::finish_block(int i, double dt) {
+  for (const HalfSpace& wall : boundaries_) constrain_block(wall, i, dt);
+  const T* node = grid_.nodes(i);
   T largest = 0;
   for (int n = 0; n < kBlockNodes; ++n) {
     const T* v = node + n * kComponents + 1;
@@ -39,46 +63,129 @@ double MpmSolver<T>::update_block(int i, double dt) {
 }
 
 template <class T>
-void MpmSolver<T>::collide_block(int i) {
+void MpmSolver<T>::constrain_block(const HalfSpace& wall, int i, double dt) {
   const double dx = settings_.grid_spacing;
-  const BlockIndex b = grid_.block(i);
-  const double corner[3] = {b.x * kBlockEdge * dx, b.y * kBlockEdge * dx, b.z * kBlockEdge * dx};
-  const double* axis = settings_.held_axis;
-  const Sphere& sphere = settings_.sphere;
-  double centre[3], along = 0, apart = 0;
-  for (int a = 0; a < 3; ++a) {
-    const double middle = corner[a] + 1.5 * dx;
-    along += axis[a] * middle;
-    centre[a] = sphere.centre[a] + sphere.velocity[a] * time_;
-    apart += (middle - centre[a]) * (middle - centre[a]);
-  }
-  const double reach = 2.6 * dx;  // half of a block's diagonal: sqrt(3) 1.5 dx
-  const bool hit = sphere.radius > 0 && std::sqrt(apart) < sphere.radius + reach;
-  const bool held = along - reach < settings_.held_below || along + reach > settings_.held_above;
-  if (!hit && !held) return;
+  double corner[3];
+  block_corner(i, corner);
+  double above = -wall.height_at(time_);
+  for (int a = 0; a < 3; ++a) above += wall.normal[a] * corner[a];
+  double middle = above;
+  for (int a = 0; a < 3; ++a) middle += wall.normal[a] * 1.5 * dx;
+  if (middle - kBlockReach * dx > wall.thickness) return;
   for (int n = 0; n < kBlockNodes; ++n) {
-    const int index[3] = {n >> 4, n >> 2 & 3, n & 3};
     T* value = grid_.nodes(i) + n * kComponents;
     if (!(value[0] > T(0))) continue;
-    T offset[3], v[3];
-    double height = 0;
-    for (int a = 0; a < 3; ++a) {
-      const double x = corner[a] + index[a] * dx;
-      height += axis[a] * x;
-      offset[a] = T(x - centre[a]);
-      v[a] = value[1 + a];
-    }
-    if (hit) contact_sphere(sphere, offset, v);
-    const T free = height < settings_.held_below || height > settings_.held_above ? T(0) : T(1);
-    for (int a = 0; a < 3; ++a) value[1 + a] = free * v[a];
+    const double up =
+        wall.normal[0] * (n >> 4) + wall.normal[1] * (n >> 2 & 3) + wall.normal[2] * (n & 3);
+    T v[3] = {value[1], value[2], value[3]};
+    constrain(wall, above + up * dx, dt, v);
+    for (int a = 0; a < 3; ++a) value[1 + a] = v[a];
   }
 }
 
+template <class T>
+void MpmSolver<T>::block_corner(int i, double (&corner)[3]) const {
+  const BlockIndex b = grid_.block(i);
+  const double edge = kBlockEdge * settings_.grid_spacing;
+  corner[0] = b.x * edge;
+  corner[1] = b.y * edge;
+  corner[2] = b.z * edge;
+}
+
+template <class T>
+bool MpmSolver<T>::block_is_near(const RigidBody& body, int i) const {
+  double middle[3];
+  block_corner(i, middle);
+  for (double& m : middle) m += 1.5 * settings_.grid_spacing;
+  return body.near(middle, kBlockReach * settings_.grid_spacing + std::max(body.margin, 0.0),
+                   time_);
+}
+
+template <class T>
+bool MpmSolver<T>::block_is_near_a_body(int i) const {
+  return std::any_of(bodies_.begin(), bodies_.end(),
+                     [&](const RigidBody& body) { return block_is_near(body, i); });
+}
+
+// The nodes of a block that lie inside the body, into `out`.
+template <class T>
+void MpmSolver<T>::find_contacts(const RigidBody& body, int i,
+                                 std::vector<ContactNode>& out) const {
+  out.clear();
+  if (!block_is_near(body, i)) return;
+  double corner[3];
+  block_corner(i, corner);
+  for (int n = 0; n < kBlockNodes; ++n) {
+    const T* value = grid_.nodes(i) + n * kComponents;
+    if (!(value[0] > T(0))) continue;
+    const int index[3] = {n >> 4, n >> 2 & 3, n & 3};
+    ContactNode c{i, n, double(value[0]), {}, {}, {}};
+    double x[3], local[3], normal[3];
+    for (int a = 0; a < 3; ++a) {
+      x[a] = corner[a] + index[a] * settings_.grid_spacing;
+      c.arm[a] = x[a] - body.state().position[a];
+      c.velocity[a] = value[1 + a];
+    }
+    body.to_body(x, local);
+    if (!(body.shape.distance(local, time_) < body.margin)) continue;
+    body.shape.normal(local, normal);
+    body.to_world(normal, c.normal);
+    out.push_back(c);
+  }
+}
+
+// Contact with one body: the nodes get the velocity that the contact leaves them, the body exactly
+// the opposite impulse, summed in the order of the blocks.
+template <class T>
+void MpmSolver<T>::collide(RigidBody& body) {
+  block_contacts_.resize(std::max(block_contacts_.size(), near_blocks_.size()));
+#pragma omp parallel for schedule(dynamic, 4)
+  for (std::size_t k = 0; k < near_blocks_.size(); ++k)
+    find_contacts(body, near_blocks_[k], block_contacts_[k]);
+  contacts_.clear();
+  for (std::size_t k = 0; k < near_blocks_.size(); ++k)
+    contacts_.insert(contacts_.end(), block_contacts_[k].begin(), block_contacts_[k].end());
+  const Twist twist = solve_contact(body, contacts_);
+  ContactSum sum;
+  for (const ContactNode& c : contacts_) {
+    double u[3], v[3] = {c.velocity[0], c.velocity[1], c.velocity[2]}, j[3];
+    twist.surface_velocity(c, body.shape.expansion_speed, u);
+    if (contact_velocity(u, c.normal, body.friction, v) < 0) continue;
+    T* value = grid_.nodes(c.block) + c.node * kComponents;
+    for (int a = 0; a < 3; ++a) {
+      value[1 + a] = T(v[a]);
+      j[a] = c.mass * (c.velocity[a] - double(value[1 + a]));
+      sum.impulse[a] += j[a];
+      sum.normal_impulse -= j[a] * c.normal[a];
+    }
+    for (int a = 0; a < 3; ++a) {
+      const int b = (a + 1) % 3, d = (a + 2) % 3;
+      sum.angular_impulse[a] += c.arm[b] * j[d] - c.arm[d] * j[b];
+    }
+  }
+  body.receive(sum);
+}
+
+// The class is instantiated where its constructor is; what is defined here needs it here.
 template double MpmSolver<float>::update_grid(double);
 template double MpmSolver<double>::update_grid(double);
-template double MpmSolver<float>::update_block(int, double);
-template double MpmSolver<double>::update_block(int, double);
-template void MpmSolver<float>::collide_block(int);
-template void MpmSolver<double>::collide_block(int);
+template void MpmSolver<float>::load_velocity(int, double);
+template void MpmSolver<double>::load_velocity(int, double);
+template double MpmSolver<float>::finish_block(int, double);
+template double MpmSolver<double>::finish_block(int, double);
+template void MpmSolver<float>::constrain_block(const HalfSpace&, int, double);
+template void MpmSolver<double>::constrain_block(const HalfSpace&, int, double);
+template void MpmSolver<float>::block_corner(int, double (&)[3]) const;
+template void MpmSolver<double>::block_corner(int, double (&)[3]) const;
+template bool MpmSolver<float>::block_is_near(const RigidBody&, int) const;
+template bool MpmSolver<double>::block_is_near(const RigidBody&, int) const;
+template bool MpmSolver<float>::block_is_near_a_body(int) const;
+template bool MpmSolver<double>::block_is_near_a_body(int) const;
+template void MpmSolver<float>::find_contacts(const RigidBody&, int,
+                                              std::vector<ContactNode>&) const;
+template void MpmSolver<double>::find_contacts(const RigidBody&, int,
+                                               std::vector<ContactNode>&) const;
+template void MpmSolver<float>::collide(RigidBody&);
+template void MpmSolver<double>::collide(RigidBody&);
 
 }  // namespace vulnus::injury

@@ -64,11 +64,24 @@ double MpmSolver<T>::largest_particle_speed() const {
 }
 
 template <class T>
+double MpmSolver<T>::largest_body_speed() const {
+  double largest = 0;
+  for (const RigidBody& body : bodies_) largest = std::max(largest, body.surface_speed());
+  return largest;
+}
+
+template <class T>
+void MpmSolver<T>::move_bodies(double dt) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    bodies_[k].end_step(time_, dt);
+    if (faulty_body_ < 0 && !bodies_[k].finite()) faulty_body_ = static_cast<int>(k);
+  }
+}
+
+template <class T>
 void MpmSolver<T>::begin_epoch(double stop_time) {
   particles_.sort(T(1 / settings_.grid_spacing), grid_);
-  const double* u = settings_.sphere.velocity;
-  const double projectile = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-  step_ = clipped_step(std::max(largest_particle_speed(), projectile), stop_time);
+  step_ = clipped_step(std::max(largest_particle_speed(), largest_body_speed()), stop_time);
   drift_ = 0;
   particle_pass<false, true>(0, step_);
   grid_ready_ = true;
@@ -78,10 +91,11 @@ template <class T>
 int MpmSolver<T>::advance(int max_steps, double stop_time) {
   int done = 0;
   int in_epoch = 0;
-  while (done < max_steps && time_ < stop_time && fault_.bits() == kNoFault) {
+  while (done < max_steps && time_ < stop_time && fault_.bits() == kNoFault && faulty_body_ < 0) {
     if (!grid_ready_) begin_epoch(stop_time);
     if (fault_.bits() != kNoFault) break;
     const double speed = update_grid(step_);
+    move_bodies(step_);
     move_tracers(step_);
     const double dt = step_;
     time_ = stop_time - time_ <= dt ? stop_time : time_ + dt;
@@ -89,8 +103,7 @@ int MpmSolver<T>::advance(int max_steps, double stop_time) {
     ++steps_;
     ++done;
     in_epoch = static_cast<int>(steps_ % kStepsPerEpoch);
-    const double* u = settings_.sphere.velocity;
-    const double fastest = std::max(speed, std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
+    const double fastest = std::max(speed, largest_body_speed());
     const double next = clipped_step(fastest, stop_time);
     const bool epoch_ends = time_ >= stop_time || in_epoch == 0 ||
                             drift_ + 2 * fastest * next > kDriftLimit * settings_.grid_spacing;

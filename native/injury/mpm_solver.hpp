@@ -12,9 +12,11 @@
 
 #include "core/fault.hpp"
 #include "injury/block_grid.hpp"
+#include "injury/body_contact.hpp"
+#include "injury/boundary.hpp"
 #include "injury/material.hpp"
 #include "injury/particle_set.hpp"
-#include "injury/projectile.hpp"
+#include "injury/rigid_body.hpp"
 
 namespace vulnus::injury {
 
@@ -24,17 +26,13 @@ struct SolverSettings {
   double gravity[3] = {0, 0, 0};
   double domain_lower[3] = {0, 0, 0};  // local frame
   double domain_upper[3] = {0, 0, 0};
-  double held_axis[3] = {0, 0, 1};
-  double held_below = -1e30;  // nodes with axis coordinate below or above are held fast
-  double held_above = 1e30;
   double largest_step = 1e30;
-  Sphere sphere;
 };
 
 // A massless point that moves with the grid's velocity: a station of an artery's centre-line.
 struct Tracer {
   double position[3];
-  double smallest_gap;  // distance to the projectile's surface, smallest so far [m]
+  double smallest_gap;  // distance to the nearest body's surface, smallest so far [m]
 };
 
 struct Totals {
@@ -51,6 +49,8 @@ class MpmSolver {
 
   ParticleSet<T>& particles() { return particles_; }
   std::vector<Tracer>& tracers() { return tracers_; }
+  std::vector<RigidBody>& bodies() { return bodies_; }
+  std::vector<HalfSpace>& boundaries() { return boundaries_; }
   const SolverSettings& settings() const { return settings_; }
 
   // Takes at most max_steps steps, not past stop_time; returns how many.
@@ -64,6 +64,7 @@ class MpmSolver {
   void restore(double time, std::int64_t steps, double sound_speed);
 
   FaultRecord& fault() { return fault_; }
+  int faulty_body() const { return faulty_body_; }  // that is no longer finite, or -1
   std::size_t memory_bytes() const;
   Totals particle_totals() const;
   Totals grid_totals() const;
@@ -79,9 +80,17 @@ class MpmSolver {
   double stable_step(double speed) const;
   double clipped_step(double speed, double stop_time) const;
   double largest_particle_speed() const;
+  double largest_body_speed() const;
   double update_grid(double dt);
-  double update_block(int i, double dt);
-  void collide_block(int i);
+  void load_velocity(int i, double dt);
+  double finish_block(int i, double dt);
+  void constrain_block(const HalfSpace& wall, int i, double dt);
+  void block_corner(int i, double (&corner)[3]) const;
+  bool block_is_near(const RigidBody& body, int i) const;
+  bool block_is_near_a_body(int i) const;
+  void find_contacts(const RigidBody& body, int i, std::vector<ContactNode>& out) const;
+  void collide(RigidBody& body);
+  void move_bodies(double dt);
   void move_tracers(double dt);
   template <bool Gather, bool Scatter>
   void particle_pass(double dt, double next_dt);
@@ -91,7 +100,14 @@ class MpmSolver {
   ParticleSet<T> particles_;
   BlockGrid<T> grid_;
   std::vector<Tracer> tracers_;
+  std::vector<RigidBody> bodies_;
+  std::vector<HalfSpace> boundaries_;
+  std::vector<std::uint8_t> near_body_;  // a flag for every block
+  std::vector<int> near_blocks_;
+  std::vector<std::vector<ContactNode>> block_contacts_;
+  std::vector<ContactNode> contacts_;
   FaultRecord fault_;
+  int faulty_body_ = -1;
   double time_ = 0;
   double step_ = 0;
   double drift_ = 0;  // how far a particle may have moved since the sort [m]

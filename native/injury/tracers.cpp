@@ -7,16 +7,16 @@
 
 namespace vulnus::injury {
 
-// Tracers move with the velocity that the nodes around them have.
+// Tracers move with the velocity of the nodes around them that have mass; where none has, they
+// stand. The bodies are already at the end of the step.
 template <class T>
 void MpmSolver<T>::move_tracers(double dt) {
   const double dx = settings_.grid_spacing;
-  const Sphere& sphere = settings_.sphere;
 #pragma omp parallel for schedule(static)
   for (std::size_t p = 0; p < tracers_.size(); ++p) {
     Tracer& tracer = tracers_[p];
     std::int32_t base[3];
-    double weight[3][3], velocity[3] = {0, 0, 0}, apart = 0;
+    double weight[3][3], velocity[3] = {0, 0, 0}, loaded = 0;
     for (int a = 0; a < 3; ++a) {
       const double cell = tracer.position[a] / dx;
       base[a] = static_cast<std::int32_t>(std::floor(cell - 0.5));
@@ -27,15 +27,16 @@ void MpmSolver<T>::move_tracers(double dt) {
       const int block = grid_.find(morton_key({x >> 2, y >> 2, z >> 2}));
       if (block < 0) continue;
       const T* value = grid_.nodes(block) + ((x & 3) << 4 | (y & 3) << 2 | (z & 3)) * kComponents;
+      if (!(value[0] > T(0))) continue;
       const double w = weight[0][n / 9] * weight[1][n / 3 % 3] * weight[2][n % 3];
+      loaded += w;
       for (int a = 0; a < 3; ++a) velocity[a] += w * value[1 + a];
     }
-    for (int a = 0; a < 3; ++a) {
-      tracer.position[a] += dt * velocity[a];
-      const double d = tracer.position[a] - sphere.centre[a] - sphere.velocity[a] * (time_ + dt);
-      apart += d * d;
-    }
-    tracer.smallest_gap = std::min(tracer.smallest_gap, std::sqrt(apart) - sphere.radius);
+    if (loaded > 0)
+      for (int a = 0; a < 3; ++a) tracer.position[a] += dt * velocity[a] / loaded;
+    for (const RigidBody& body : bodies_)
+      tracer.smallest_gap =
+          std::min(tracer.smallest_gap, body.distance(tracer.position, time_ + dt));
   }
 }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def reference_run(limb):
 def assert_same_bits(a, b):
     for name in ("position", "damage"):
         assert np.array_equal(getattr(a, name), getattr(b, name)), name
-    assert a.injuries == b.injuries
+    assert [asdict(injury) for injury in a.injuries] == [asdict(injury) for injury in b.injuries]
     assert (a.entry_area, a.exit_area, a.steps) == (b.entry_area, b.exit_area, b.steps)
     assert np.array_equal(a.arteries[0].points, b.arteries[0].points)
 

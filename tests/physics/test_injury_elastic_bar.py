@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from vulnus.injury.boundaries import HeldEnds
 from vulnus.injury.materials import Material, material_table
-from vulnus.injury.solver import HeldEnds, MpmSolver
+from vulnus.injury.solver import MpmSolver
 
 pytestmark = pytest.mark.physics
 
@@ -24,7 +25,7 @@ def vibrating_bar() -> tuple[MpmSolver, np.ndarray, float]:
     solver = MpmSolver(
         materials=material_table([ELASTIC], SPACING), grid_spacing=SPACING, lower=(-1.0,) * 3,
         upper=(1.0,) * 3, courant_number=0.3, precision="float64",
-        held=HeldEnds(axis=(1.0, 0.0, 0.0), lower=0.5 * SPACING, upper=1e3),
+        boundaries=[HeldEnds(axis=(1.0, 0.0, 0.0), lower=0.5 * SPACING, upper=1e3)],
     )  # fmt: skip
     velocity = np.zeros_like(x)
     velocity[:, 0] = np.sin(0.5 * np.pi * x[:, 0] / length)

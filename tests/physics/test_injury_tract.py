@@ -11,7 +11,9 @@ from reference.mpm_limb import synthetic_limb
 from vulnus.core.handoff import Tissue
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters, shoot
 from vulnus.injury.materials import MUSCLE, material_table
-from vulnus.injury.solver import MpmSolver, RigidSphere
+from vulnus.injury.rigid_body import RigidBody
+from vulnus.injury.shapes import Sphere
+from vulnus.injury.solver import MpmSolver
 
 pytestmark = pytest.mark.physics
 
@@ -45,10 +47,12 @@ def test_a_sphere_through_gel_leaves_a_tract_of_its_diameter():
     edge = np.arange(-0.02, 0.02, dx / 2.0) + dx / 4.0
     x = np.stack(np.meshgrid(edge, edge, edge, indexing="ij"), axis=-1).reshape(-1, 3)
     x += rng.uniform(-0.1, 0.1, x.shape) * dx
-    ball = RigidSphere(centre=(-0.025, 0, 0), velocity=(200.0, 0, 0), radius=diameter / 2)
+    ball = RigidBody(
+        shape=Sphere(diameter / 2), centre=(-0.025, 0, 0), velocity=(200.0, 0, 0), friction=0.0
+    )
     solver = MpmSolver(
         materials=material_table([MUSCLE], dx), grid_spacing=dx, lower=tuple(-half - 0.1),
-        upper=tuple(half + 0.1), sphere=ball,
+        upper=tuple(half + 0.1), bodies=[ball],
     )  # fmt: skip
     solver.set_particles(
         x, volume=np.full(len(x), (dx / 2) ** 3), material=np.zeros(len(x), np.uint8)

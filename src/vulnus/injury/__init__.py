@@ -5,17 +5,20 @@
 
 from __future__ import annotations
 
+from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall
 from .combined_solids import Difference, FunctionSolid, HalfSpace, Intersection, Union
 from .experiment import Experiment
 from .experiment_result import ExperimentResult, Fields, SensorRecord, TissueRecord
 from .materials import Material
 from .parameters import AimParameters, InjuryParameters, ProjectileParameters
 from .passage import shoot
+from .rigid_body import BodyPath, BodyState, RigidBody, rotation_between
 from .rotations import rotation_about
 from .sensors import PointSensor, RegionSensor, SectionSensor, Sensor
+from .shapes import Shape, Sphere
 from .shot_line import aim
 from .solids import Ball, Block, Rod, Shell, Solid, Tube
-from .solver import HeldEnds, MpmSolver, RigidSphere
+from .solver import MpmSolver
 
 try:
     from .materials import elastic
@@ -31,9 +34,13 @@ except ImportError:
 
 
 __all__ = [
+    "AbsorbingEnds",
     "AimParameters",
     "Ball",
     "Block",
+    "BodyPath",
+    "BodyState",
+    "Boundary",
     "Difference",
     "Experiment",
     "ExperimentResult",
@@ -48,18 +55,22 @@ __all__ = [
     "PointSensor",
     "ProjectileParameters",
     "RegionSensor",
-    "RigidSphere",
+    "RigidBody",
     "Rod",
     "SectionSensor",
     "Sensor",
     "SensorRecord",
+    "Shape",
     "Shell",
     "Solid",
+    "Sphere",
     "TissueRecord",
     "Tube",
     "Union",
+    "Wall",
     "aim",
     "elastic",
     "rotation_about",
+    "rotation_between",
     "shoot",
 ]

@@ -1,7 +1,35 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from vulnus.core.arrays import AnyArray, FloatArray, IntArray, LabelArray, Vector3
+from vulnus.core.arrays import AnyArray, Float32Array, FloatArray, IntArray, LabelArray, Vector3
+
+class BodyShape:
+    @staticmethod
+    def make(
+        *,
+        radius: float,
+        expansion_speed: float,
+        distance: Float32Array,
+        distance_lower: Vector3,
+        distance_spacing: float,
+        lower: Vector3,
+        upper: Vector3,
+        inner_radius: float,
+    ) -> BodyShape: ...
+
+class RigidBody:
+    @staticmethod
+    def make(
+        *,
+        motion: int,
+        mass: float,
+        inertia: FloatArray,
+        inverse_inertia: FloatArray,
+        friction: float,
+        margin: float,
+        cutting: bool,
+        path: FloatArray,
+    ) -> RigidBody: ...
 
 class Solver32:
     def __init__(
@@ -13,15 +41,22 @@ class Solver32:
         gravity: Vector3,
         domain_lower: Vector3,
         domain_upper: Vector3,
-        held_axis: Vector3,
-        held_below: float,
-        held_above: float,
         largest_step: float,
-        sphere_centre: Vector3,
-        sphere_velocity: Vector3,
-        sphere_radius: float,
-        sphere_friction: float,
     ) -> None: ...
+    def add_body(self, shape: BodyShape, body: RigidBody, state: FloatArray) -> None: ...
+    def add_boundary(
+        self,
+        *,
+        kind: int,
+        normal: Vector3,
+        height: float,
+        velocity: Vector3,
+        friction: float,
+        thickness: float,
+        rate: float,
+    ) -> None: ...
+    def body_state(self) -> FloatArray: ...
+    def set_body_state(self, state: FloatArray) -> None: ...
     def set_particles(
         self, position: FloatArray, velocity: FloatArray, volume: FloatArray, material: LabelArray
     ) -> None: ...
@@ -62,6 +97,8 @@ class Solver32:
     def fault_bits(self) -> int: ...
     @property
     def fault_particle(self) -> int: ...
+    @property
+    def fault_body(self) -> int: ...
 
 class Solver64(Solver32): ...
 

@@ -14,10 +14,13 @@ from vulnus.core.handoff import LimbModel, ShotLine
 from vulnus.core.units import MILLIMETRE
 
 from . import wound
+from .boundaries import HeldEnds
 from .materials import tissue_table
 from .parameters import InjuryParameters
+from .rigid_body import RigidBody
+from .shapes import Sphere
 from .shot_line import aim
-from .solver import HeldEnds, MpmSolver, RigidSphere
+from .solver import MpmSolver
 
 DOMAIN_MARGIN = 0.5
 """How far [m] a particle may fly out of the limb's box; chosen: 1 ms at 500 m/s."""
@@ -68,13 +71,15 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
         upper=_triple(inside.max(axis=0) + DOMAIN_MARGIN),
         courant_number=parameters.courant_number,
         gravity=parameters.gravity,
-        sphere=projectile_at_contact(
-            inside,
-            shot,
-            friction=parameters.projectile.friction,
-            grid_spacing=parameters.grid_spacing,
-        ),
-        held=held,
+        bodies=[
+            projectile_at_contact(
+                inside,
+                shot,
+                friction=parameters.projectile.friction,
+                grid_spacing=parameters.grid_spacing,
+            )
+        ],
+        boundaries=[held],
     )
     solver.set_particles(inside, volume=limb.volume[simulated], material=limb.tissue[simulated])
     stations = tuple(
@@ -123,7 +128,7 @@ def contact_radius(diameter: float, grid_spacing: float) -> float:
 
 def projectile_at_contact(
     position: FloatArray, shot: ShotLine, *, friction: float, grid_spacing: float
-) -> RigidSphere:
+) -> RigidBody:
     """The sphere where it first touches a particle; time begins here."""
     direction = np.asarray(shot.direction)
     entry = np.asarray(shot.entry_point)
@@ -135,10 +140,10 @@ def projectile_at_contact(
     start = -radius
     if np.any(near):
         start = float(np.min(along[near] - np.sqrt(radius**2 - beside[near])))
-    return RigidSphere(
+    return RigidBody(
+        shape=Sphere(radius),
         centre=_triple(entry + start * direction),
         velocity=_triple(shot.speed * direction),
-        radius=radius,
         friction=friction,
     )
 

@@ -9,8 +9,7 @@ solver.position, solver.damage
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -20,7 +19,9 @@ from vulnus.core.checkpoint import CheckpointData
 from vulnus.core.errors import ScenarioError, StorageError, UnstableStepError
 
 from . import _native
+from .boundaries import Boundary, add_boundary
 from .materials import damage_from_plastic_strain
+from .rigid_body import STATE_SIZE, BodyState, RigidBody, add_body
 
 Precision = Literal["float32", "float64"]
 
@@ -38,30 +39,12 @@ ADVICE = "Try a smaller courant_number (0.3) or a finer grid_spacing."
 WALL_TIME_OF_A_CALL = 0.15  # [s]: Ctrl-C is answered between native calls
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RigidSphere:
-    """A sphere that keeps its `velocity` [m/s]; `centre` [m] at time 0."""
-
-    centre: Vector3
-    velocity: Vector3
-    radius: float
-    friction: float = 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class HeldEnds:
-    """Nodes whose coordinate along the unit vector `axis` is outside [lower, upper] [m] stand."""
-
-    axis: Vector3
-    lower: float
-    upper: float
-
-
 class MpmSolver:
     """MLS-MPM/APIC with quadratic B-splines on a sparse grid; Equation: Chong2017 (1).
 
     `materials` holds one row a material (`materials.material_table`); `lower` and `upper` [m] span
-    the box that no particle may leave. The result does not depend on the number of threads.
+    the box that no particle may leave; `bodies` move among the tissue, `boundaries` hold it. The
+    result does not depend on the number of threads.
     """
 
     def __init__(
@@ -73,8 +56,8 @@ class MpmSolver:
         upper: Vector3,
         courant_number: float = 0.4,
         gravity: Vector3 = (0.0, 0.0, 0.0),
-        sphere: RigidSphere | None = None,
-        held: HeldEnds | None = None,
+        bodies: Sequence[RigidBody] = (),
+        boundaries: Sequence[Boundary] = (),
         largest_step: float = 1e30,
         precision: Precision = "float32",
     ) -> None:
@@ -83,9 +66,6 @@ class MpmSolver:
         self._origin = 0.5 * (np.array(lower) + np.array(upper))
         self._materials = np.ascontiguousarray(materials, dtype=np.float64)
         self.grid_spacing = grid_spacing
-        ball = sphere or RigidSphere(centre=(0, 0, 0), velocity=(0, 0, 0), radius=0.0)
-        ends = held or HeldEnds(axis=(0.0, 0.0, 1.0), lower=-1e30, upper=1e30)
-        shift = float(np.dot(ends.axis, self._origin))
         kind = _native.Solver32 if precision == "float32" else _native.Solver64
         self._native = kind(
             materials=self._materials,
@@ -94,15 +74,18 @@ class MpmSolver:
             gravity=gravity,
             domain_lower=_vector(lower - self._origin),
             domain_upper=_vector(upper - self._origin),
-            held_axis=ends.axis,
-            held_below=ends.lower - shift,
-            held_above=ends.upper - shift,
             largest_step=largest_step,
-            sphere_centre=_vector(ball.centre - self._origin),
-            sphere_velocity=ball.velocity,
-            sphere_radius=ball.radius,
-            sphere_friction=ball.friction,
         )
+        self._body_names = tuple(body.name for body in bodies)
+        for body in bodies:
+            add_body(self._native, body, origin=self._origin, grid_spacing=grid_spacing)
+        for boundary in boundaries:
+            add_boundary(
+                self._native,
+                boundary,
+                origin=self._origin,
+                sound_speed=self._native.sound_speed,
+            )
         self._material = np.zeros(0, np.uint8)
         self._steps_per_call = 1
 
@@ -177,6 +160,7 @@ class MpmSolver:
     def _raise_fault(self) -> None:
         bits = self._native.fault_bits
         if bits == 0:
+            self._raise_body_fault()
             return
         particle = self._native.fault_particle
         x, y, z = (float(c) for c in self.position[particle])
@@ -188,6 +172,18 @@ class MpmSolver:
             step=self.steps,
             particle=particle,
             position=(x, y, z),
+        )
+
+    def _raise_body_fault(self) -> None:
+        if self._native.fault_body < 0:
+            return
+        body = self.bodies[self._native.fault_body]
+        x, y, z = (1e3 * float(c) for c in body.position)
+        raise UnstableStepError(
+            "material point method",
+            f"{body.name} has a value that is not finite at ({x:.2f}, {y:.2f}, {z:.2f}) mm, "
+            f"t = {self.time:.6g} s, step {self.steps}",
+            "Check its mass and velocity, or try a smaller courant_number (0.3).",
         )
 
     @property
@@ -244,9 +240,21 @@ class MpmSolver:
 
     @property
     def tracers(self) -> tuple[FloatArray, FloatArray]:
-        """Tracer positions (n, 3) [m] and their smallest distance (n,) [m] to the sphere so far."""
+        """Tracer positions (n, 3) [m] and their smallest distance (n,) [m] to any body so far."""
         state = self._native.tracer_state()
         return state[:, :3] + self._origin, state[:, 3]
+
+    @property
+    def bodies(self) -> tuple[BodyState, ...]:
+        """The bodies now, in the order of the constructor.
+
+        A body that has left the tissue flies on freely, also out of the domain.
+        """
+        rows = self._native.body_state()
+        return tuple(
+            BodyState.from_row(name, row, self._origin)
+            for name, row in zip(self._body_names, rows, strict=True)
+        )
 
     def totals(self, *, grid: bool = False) -> dict[str, float | Vector3]:
         """Mass, momentum, angular momentum and kinetic energy of the particles or of the nodes."""
@@ -265,6 +273,7 @@ class MpmSolver:
             "id": self._native.state_id(),
             "material": self._native.state_material(),
             "tracers": self._native.tracer_state(),
+            "bodies": self._native.body_state(),
             "time": self._native.time,
             "steps": self._native.steps,
             "sound_speed": self._native.sound_speed,
@@ -279,6 +288,14 @@ class MpmSolver:
                 f"holds {np.count_nonzero(ids >= 0)} particles, the limb {len(self._material)}",
                 "Start the run anew without --resume.",
             )
+        bodies = np.ascontiguousarray(state["bodies"], dtype=np.float64)
+        if bodies.shape != (len(self._body_names), STATE_SIZE):
+            raise StorageError(
+                "injury checkpoint",
+                f"holds {len(bodies)} bodies, the case {len(self._body_names)}",
+                "Start the run anew without --resume.",
+            )
+        self._native.set_body_state(bodies)
         self._native.restore(
             np.ascontiguousarray(fields),
             np.ascontiguousarray(ids),

@@ -1,0 +1,286 @@
+"""Rigid bodies among the tissue: projectiles, blades, plates.
+
+A body is kinematic (keeps its velocity and spin), guided (follows a path) or dynamic (six degrees
+of freedom, moved by the impulses that the tissue gives it). Bodies do not touch one another.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from vulnus.core.arrays import FloatArray, Vector3
+from vulnus.core.errors import ScenarioError
+
+from . import _native
+from .shapes import Shape, Sphere
+
+Motion = Literal["kinematic", "dynamic"]
+
+CONTACT_MARGIN = 0.0
+"""Distance [cells] from a body's surface within which nodes touch it."""
+
+SMALLEST_RADIUS = 0.9
+"""Least acting inner radius [cells]; chosen: half a cell's diagonal is 0.87, and a smaller body
+could pass between the nodes."""
+
+SMALLEST_BLADE = 0.5
+"""Least acting half thickness [cells] of a cutting body; chosen: one layer of nodes."""
+
+STATE_ROWS = {
+    "position": slice(0, 3),
+    "velocity": slice(3, 6),
+    "orientation": slice(6, 10),
+    "angular_velocity": slice(10, 13),
+    "angular_momentum": slice(13, 16),
+    "impulse": slice(16, 19),
+    "angular_impulse": slice(19, 22),
+    "normal_impulse": slice(22, 23),
+    "work": slice(23, 24),
+}
+"""Where the values of a body stand among those of `native/injury/rigid_body.hpp`."""
+STATE_SIZE = 24
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyPath:
+    """A path of the centre: `times` (n,) [s], growing, and `positions` (n, 3) [m].
+
+    Linear between the points; before the first and after the last the body stands.
+    """
+
+    times: FloatArray
+    positions: FloatArray
+
+    def __post_init__(self) -> None:
+        """Refuse times that do not grow and places that do not match them."""
+        times, positions = np.asarray(self.times), np.asarray(self.positions)
+        if times.ndim != 1 or len(times) < 2 or not np.all(np.diff(times) > 0.0):
+            raise ScenarioError(
+                "path times", "must be at least two growing numbers", "Sort and thin them."
+            )
+        if positions.shape != (len(times), 3):
+            raise ScenarioError(
+                "path positions",
+                f"have shape {positions.shape}, must be ({len(times)}, 3)",
+                "Give one place (x, y, z) for every time.",
+            )
+        if not (np.all(np.isfinite(times)) and np.all(np.isfinite(positions))):
+            raise ScenarioError("path", "holds a value that is not finite", "Check the path.")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RigidBody:
+    """A rigid body at time 0; `centre` [m] is its centre of mass, by default the path's start.
+
+    `rotation` (3, 3) turns the body's frame into the world's; `mass` [kg] is needed by a dynamic
+    body; `cutting` breaks the particles that the body sweeps.
+    """
+
+    shape: Shape
+    centre: Vector3 | None = None
+    velocity: Vector3 = (0.0, 0.0, 0.0)
+    rotation: FloatArray | None = None
+    angular_velocity: Vector3 = (0.0, 0.0, 0.0)
+    motion: Motion = "kinematic"
+    mass: float | None = None
+    friction: float = 0.1  # chosen: wet tissue on polished metal
+    cutting: bool = False
+    path: BodyPath | None = None
+    name: str = "projectile"
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot move as told."""
+        if self.motion not in ("kinematic", "dynamic"):
+            raise ScenarioError(
+                f"{self.name} motion", f"is {self.motion!r}", 'Use "kinematic" or "dynamic".'
+            )
+        if self.centre is None and self.path is None:
+            raise ScenarioError(
+                f"{self.name} centre", "is missing", "Give its centre or a path to follow."
+            )
+        values = (*self.place, *self.velocity, *self.angular_velocity, self.friction)
+        if not np.all(np.isfinite(values)):
+            raise ScenarioError(self.name, "holds a value that is not finite", "Check the body.")
+        if self.friction < 0.0:
+            raise ScenarioError(
+                f"{self.name} friction", f"is {self.friction:g}, must be >= 0", "Use 0 to 1."
+            )
+        self._check_motion()
+        self._check_rotation()
+
+    def _check_motion(self) -> None:
+        if self.motion == "dynamic":
+            if self.mass is None or not (math.isfinite(self.mass) and self.mass > 0.0):
+                raise ScenarioError(
+                    f"{self.name} mass", f"is {self.mass}, must be > 0 kg", "Give its mass."
+                )
+            if self.path is not None:
+                raise ScenarioError(
+                    f"{self.name} path", "goes with a dynamic body", "Use a kinematic one."
+                )
+        elif self.path is not None and self.centre is not None:
+            apart = np.linalg.norm(np.subtract(self.centre, self.path.positions[0]))
+            if apart > 1e-9:
+                raise ScenarioError(
+                    f"{self.name} centre",
+                    f"is {1e3 * apart:g} mm from the path's first place",
+                    "Leave it out: a guided body starts there.",
+                )
+
+    def _check_rotation(self) -> None:
+        turn = self.turn
+        if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-6):
+            raise ScenarioError(
+                f"{self.name} rotation", "is not a rotation matrix", "Use rotation_between()."
+            )
+        if np.linalg.det(turn) < 0.0:
+            raise ScenarioError(f"{self.name} rotation", "is a reflection", "Flip one axis.")
+
+    @property
+    def place(self) -> Vector3:
+        """Centre of mass [m] at time 0."""
+        if self.centre is not None:
+            return self.centre
+        assert self.path is not None
+        x, y, z = (float(v) for v in self.path.positions[0])
+        return x, y, z
+
+    @property
+    def turn(self) -> FloatArray:
+        """Rotation (3, 3) of the body's frame into the world's at time 0."""
+        return np.eye(3) if self.rotation is None else np.asarray(self.rotation, np.float64)
+
+    @property
+    def inertia(self) -> FloatArray:
+        """Inertia tensor (3, 3) [kg m²] in the body's frame; of unit mass where none is given."""
+        return self.shape.unit_inertia * ((self.mass or 1.0) / self.shape.volume)
+
+    def contact_margin(self, grid_spacing: float) -> float:
+        """Distance [m] from its surface within which nodes of this spacing [m] touch it.
+
+        More for bodies so small or thin that they would slip between the nodes.
+        """
+        smallest = SMALLEST_BLADE if self.cutting else SMALLEST_RADIUS
+        missing = smallest * grid_spacing - self.shape.inner_radius
+        return max(CONTACT_MARGIN * grid_spacing, missing)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyState:
+    """A body at the solver's time, and what contact has done to it since time 0.
+
+    `rotation` (3, 3) turns its frame into the world's; `impulse` [N s] and `angular_impulse`
+    [N m s] (about the centre) are those that the tissue gave it; `normal_impulse` [N s] sums the
+    sizes of all normal impulses; `work` [J] is what it did on the tissue.
+    """
+
+    name: str
+    position: FloatArray
+    velocity: FloatArray
+    rotation: FloatArray
+    angular_velocity: FloatArray
+    impulse: FloatArray
+    angular_impulse: FloatArray
+    normal_impulse: float
+    work: float
+
+    @classmethod
+    def from_row(cls, name: str, row: FloatArray, origin: FloatArray) -> BodyState:
+        """Read the native values of a body; `origin` [m] is that of the solver's frame."""
+        part = {key: np.array(row[place]) for key, place in STATE_ROWS.items()}
+        return cls(
+            name=name,
+            position=part["position"] + origin,
+            velocity=part["velocity"],
+            rotation=rotation_of(part["orientation"]),
+            angular_velocity=part["angular_velocity"],
+            impulse=part["impulse"],
+            angular_impulse=part["angular_impulse"],
+            normal_impulse=float(part["normal_impulse"][0]),
+            work=float(part["work"][0]),
+        )
+
+
+def add_body(
+    solver: _native.Solver32, body: RigidBody, *, origin: FloatArray, grid_spacing: float
+) -> None:
+    """Give a body to the native solver, whose frame has its `origin` [m] there."""
+    path = np.zeros((0, 4))
+    if body.path is not None:
+        path = np.column_stack([body.path.times, np.asarray(body.path.positions) - origin])
+    native = _native.RigidBody.make(
+        motion=2 if body.path is not None else int(body.motion == "dynamic"),
+        mass=body.mass or 1.0,
+        inertia=np.ascontiguousarray(body.inertia),
+        inverse_inertia=np.ascontiguousarray(np.linalg.inv(body.inertia)),
+        friction=body.friction,
+        margin=body.contact_margin(grid_spacing),
+        cutting=body.cutting,
+        path=np.ascontiguousarray(path, dtype=np.float64),
+    )
+    state = np.zeros(STATE_SIZE)
+    state[STATE_ROWS["position"]] = np.asarray(body.place) - origin
+    state[STATE_ROWS["velocity"]] = body.velocity
+    state[STATE_ROWS["orientation"]] = orientation_of(body.turn)
+    state[STATE_ROWS["angular_velocity"]] = body.angular_velocity
+    world_inertia = body.turn @ body.inertia @ body.turn.T
+    state[STATE_ROWS["angular_momentum"]] = world_inertia @ np.asarray(body.angular_velocity)
+    solver.add_body(_native_shape(body.shape), native, state)
+
+
+def _native_shape(shape: Shape) -> _native.BodyShape:
+    sampled = shape.distance
+    values = np.zeros((2, 2, 2), np.float32) if sampled is None else sampled.values
+    lower = np.zeros(3) if sampled is None else sampled.lower
+    return _native.BodyShape.make(
+        radius=shape.radius if isinstance(shape, Sphere) else 0.0,
+        expansion_speed=shape.expansion_speed if isinstance(shape, Sphere) else 0.0,
+        distance=np.ascontiguousarray(values, dtype=np.float32),
+        distance_lower=_triple(lower),
+        distance_spacing=1.0 if sampled is None else sampled.spacing,
+        lower=_triple(shape.lower),
+        upper=_triple(shape.upper),
+        inner_radius=shape.inner_radius,
+    )
+
+
+def rotation_between(nose: Vector3, *, roll: float = 0.0) -> FloatArray:
+    """Rotation (3, 3) that turns the body's +x into the direction `nose`, after a `roll` [rad]."""
+    from scipy.spatial.transform import Rotation
+
+    target = np.asarray(nose, np.float64)
+    length = float(np.linalg.norm(target))
+    if not length > 0.0:
+        raise ScenarioError("direction", "has no length", "Give a direction (x, y, z).")
+    target = target / length
+    axis = np.cross((1.0, 0.0, 0.0), target)
+    size = float(np.linalg.norm(axis))
+    angle = math.atan2(size, float(target[0]))
+    axis = axis / size if size > 1e-12 else np.array([0.0, 0.0, 1.0])
+    turn = Rotation.from_rotvec(angle * axis) * Rotation.from_rotvec([roll, 0.0, 0.0])
+    return np.asarray(turn.as_matrix(), np.float64)
+
+
+def orientation_of(rotation: FloatArray) -> FloatArray:
+    """Unit quaternion (4,) w x y z of a rotation (3, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+    return np.array([w, x, y, z])
+
+
+def rotation_of(orientation: FloatArray) -> FloatArray:
+    """Rotation (3, 3) of a unit quaternion (4,) w x y z."""
+    from scipy.spatial.transform import Rotation
+
+    w, x, y, z = orientation
+    return np.asarray(Rotation.from_quat([x, y, z, w]).as_matrix(), np.float64)
+
+
+def _triple(values: FloatArray) -> Vector3:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
