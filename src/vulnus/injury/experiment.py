@@ -25,6 +25,7 @@ from vulnus.core.progress import Progress, SilentProgress
 from vulnus.core.units import MILLISECOND
 
 from . import experiment_checks as checks
+from .boundaries import HeldEnds
 from .checked_values import not_negative, one_of, positive, vector
 from .experiment_particles import Arrangement, ParticleStore, Velocity, fill
 from .experiment_record import Record
@@ -36,7 +37,7 @@ from .rotations import Axis, axis_vector
 from .sample_schedule import SampleSchedule
 from .sensors import Sensor
 from .solids import Solid, triple
-from .solver import HeldEnds, MpmSolver, Precision, set_threads
+from .solver import MpmSolver, Precision, set_threads
 
 
 class Experiment:
@@ -267,7 +268,7 @@ class Experiment:
                 upper=upper,
                 courant_number=self.courant_number,
                 gravity=self.gravity,
-                held=self._held,
+                boundaries=[self._held] if self._held is not None else [],
                 precision=self.precision,
             )
             self._solver.set_particles(
