@@ -12,7 +12,7 @@
 
 #include "bindings/injury_bodies.hpp"
 #include "injury/mpm_solver.hpp"
-#include "injury/plasticity.hpp"
+#include "injury/stress_update.hpp"
 
 namespace nb = nanobind;
 using namespace vulnus;
@@ -39,7 +39,7 @@ Result<T> new_array(std::initializer_list<std::size_t> shape) {
 template <class T>
 MaterialTable<T> make_table(Array2<double> rows) {
   if (rows.shape(0) < 1 || rows.shape(0) > kMaterialCapacity || rows.shape(1) != kMaterialColumns)
-    throw std::invalid_argument("the material table needs 1 to 16 rows of 13 columns");
+    throw std::invalid_argument("the material table needs 1 to 16 rows of 20 columns");
   MaterialTable<T> table;
   for (int c = 0; c < kMaterialColumns; ++c)
     for (int r = 0; r < kMaterialCapacity; ++r)
@@ -258,34 +258,68 @@ void bind_bodies(nb::module_& m) {
                   nb::arg("margin"), nb::arg("cutting"), nb::arg("path"));
 }
 
+constexpr std::size_t kPointValues = 15;  // of a material point, as `return_map` takes them
+
+template <class R>
+PointState<R> point_of(const R (&s)[kPointValues]) {
+  return {{s[0], s[1], s[2], s[3], s[4], s[5]},
+          {s[9], s[10], s[11], s[12], s[13], s[14]},
+          s[6],
+          s[7],
+          s[8]};
+}
+
 // Runs the return map on points without a grid: rows of strain b_e - I (xx yy zz xy yz zx), plastic
-// strain and opening in; the same after the return, and the Kirchhoff stress, out.
+// strain, opening, damage and network strain b - I in; the same after the return, the Kirchhoff
+// stress and the square of the wave speed out.
 template <class T>
 Result<double> return_map(Array2<double> table, Array1<std::uint8_t> material, Array2<double> state,
                           Array1<double> rate) {
   using Real = typename LaneTraits<T>::Real;
-  constexpr std::size_t width = LaneTraits<T>::kWidth;
-  if (state.shape(1) != 8 || material.shape(0) != state.shape(0) || rate.shape(0) != state.shape(0))
-    throw std::invalid_argument("the points need eight values, a material and a rate each");
+  constexpr std::size_t width = LaneTraits<T>::kWidth, columns = kPointValues + 7;
+  if (state.shape(1) != kPointValues || material.shape(0) != state.shape(0) ||
+      rate.shape(0) != state.shape(0))
+    throw std::invalid_argument("the points need 15 values, a material and a rate each");
   const MaterialTable<T> materials = make_table<T>(table);
   const std::size_t n = state.shape(0);
-  auto out = new_array<double>({n, 14});
+  auto out = new_array<double>({n, columns});
   for (std::size_t first = 0; first < n; first += width) {
-    Real s[8], r;
+    Real s[kPointValues], r;
     typename LaneTraits<T>::Integer index;
     for (std::size_t i = 0; i < width; ++i) {
       const std::size_t p = std::min(first + i, n - 1);
-      for (int a = 0; a < 8; ++a) s[a][i] = T(state(p, a));
+      for (std::size_t a = 0; a < kPointValues; ++a) s[a][i] = T(state(p, a));
       index[i] = std::min<std::uint8_t>(material(p), kMaterialCapacity - 1);
       r[i] = T(rate(p));
     }
-    PointState<Real> point{{s[0], s[1], s[2], s[3], s[4], s[5]}, s[6], s[7]};
+    PointState<Real> point = point_of(s);
     const auto stress = update_stress(look_up_material(materials, index), r, point);
-    const auto &e = point.strain, &t = stress.kirchhoff;
-    const Real column[14] = {e.xx,          e.yy, e.zz, e.xy, e.yz, e.zx, point.plastic_strain,
-                             point.opening, t.xx, t.yy, t.zz, t.xy, t.yz, t.zx};
+    const auto &e = point.strain, &b = point.network, &t = stress.kirchhoff;
+    const Real column[columns] = {e.xx,
+                                  e.yy,
+                                  e.zz,
+                                  e.xy,
+                                  e.yz,
+                                  e.zx,
+                                  point.plastic_strain,
+                                  point.opening,
+                                  point.damage,
+                                  b.xx,
+                                  b.yy,
+                                  b.zz,
+                                  b.xy,
+                                  b.yz,
+                                  b.zx,
+                                  t.xx,
+                                  t.yy,
+                                  t.zz,
+                                  t.xy,
+                                  t.yz,
+                                  t.zx,
+                                  stress.sound_speed_squared};
     for (std::size_t i = 0; i < width && first + i < n; ++i)
-      for (int a = 0; a < 14; ++a) out.data()[(first + i) * 14 + a] = column[a][i];
+      for (std::size_t a = 0; a < columns; ++a)
+        out.data()[(first + i) * columns + a] = column[a][i];
   }
   return out;
 }

@@ -51,14 +51,4 @@ VULNUS_HD void hencky_kirchhoff(const Material<R>& m, const R (&strain)[3], R (&
     stress[a] = broadcast<R>(2) * m.shear_modulus * (strain[a] - mean) + volumetric;
 }
 
-// Kirchhoff stress of a point that has not moved since its last return to the yield surface.
-template <class R>
-VULNUS_HD Symmetric3<R> elastic_kirchhoff(const Material<R>& m, const Symmetric3<R>& strain) {
-  const Eigen3<R> e = symmetric_eigen(strain);
-  R hencky[3], stress[3];
-  for (int a = 0; a < 3; ++a) hencky[a] = broadcast<R>(0.5) * log_one_plus(e.value[a]);
-  hencky_kirchhoff(m, hencky, stress);
-  return from_principal(e.vector, stress);
-}
-
 }  // namespace vulnus::injury

@@ -1,26 +1,29 @@
-// Pressure as a function of the volumetric Hencky strain tr(eps) = ln J.
+// Pressure as a function of the volumetric Hencky strain t = tr(eps) = ln J.
 #pragma once
 
 #include "injury/material.hpp"
 
 namespace vulnus::injury {
 
-// Kirchhoff pressure part of the stress, -J p [Pa].
-// Tait: p = (K/n)(J^-n - 1) (PHYSICS 1.4, n = 7); linear: -J p = K ln J.
+// Kirchhoff pressure part of the stress, -J p = (K/n) (J^a - J^(a-n)) [Pa]:
+// Tait (PHYSICS 1.4) n = 7, a = 1: p = (K/7)(J^-7 - 1); quadratic (PHYSICS 1.4, neo-Hookean)
+// n = 2, a = 2: (K/2)(J^2 - 1); its limit for n = 0, a = 0, linear: K ln J.
 template <class R>
 VULNUS_HD R volumetric_kirchhoff(const Material<R>& m, R trace) {
-  const auto linear = m.tait_exponent <= R{};
-  const R n = select(linear, broadcast<R>(1), m.tait_exponent);
-  const R jacobian = exp_minus_one(trace) + broadcast<R>(1);
-  const R tait = jacobian * (m.bulk_modulus / n) * -exp_minus_one(-n * trace);
-  return select(linear, m.bulk_modulus * trace, tait);
+  const auto linear = m.volume_exponent <= R{};
+  const R n = select(linear, broadcast<R>(1), m.volume_exponent);
+  const R growth = exp_minus_one(m.volume_growth * trace) + broadcast<R>(1);
+  const R curved = growth * (m.bulk_modulus / n) * -exp_minus_one(-m.volume_exponent * trace);
+  return select(linear, m.bulk_modulus * trace, curved);
 }
 
-// Square of the longitudinal wave speed [m^2/s^2]; compression stiffens the Tait law.
+// Slope d(-J p)/dt over K, or the larger J^-n of strong compression: stiffer than either.
 template <class R>
-VULNUS_HD R sound_speed_squared(const Material<R>& m, R trace) {
-  const R stiffening = exp_minus_one(-m.tait_exponent * trace) + broadcast<R>(1);
-  return (m.bulk_modulus * stiffening + broadcast<R>(4.0 / 3.0) * m.shear_modulus) / m.density;
+VULNUS_HD R volumetric_stiffening(const Material<R>& m, R trace) {
+  const R one = broadcast<R>(1);
+  const R squeezed = exp_minus_one(-m.volume_exponent * trace) + one;
+  const R stretched = exp_minus_one(m.volume_growth * trace) + one;
+  return maximum(squeezed, stretched);
 }
 
 }  // namespace vulnus::injury

@@ -7,19 +7,26 @@ namespace vulnus::injury {
 
 // The order is that of the columns that Python passes (`materials.COLUMNS`).
 enum MaterialColumn {
-  kDensity,          // kg/m^3
-  kBulkModulus,      // Pa
-  kShearModulus,     // Pa
-  kTaitExponent,     // 0: linear in the volumetric Hencky strain
-  kYieldStress,      // Pa, von Mises, at rest
-  kFriction,         // growth of the yield stress with pressure, 0: von Mises
-  kRateReference,    // 1/s, 0: no rate law
-  kRateExponent,     //
-  kDamageStart,      // plastic strain where damage begins
-  kDamageEnd,        // plastic strain where damage is 1
-  kPressureCutoff,   // Pa, largest tension of the pressure (cavitation, spall)
-  kTensileStrength,  // Pa, largest principal stress (Rankine)
-  kOpeningDamage,    // part of the opening strain that counts as plastic strain
+  kDensity,            // kg/m^3
+  kBulkModulus,        // Pa
+  kShearModulus,       // Pa, of the elasto-plastic part
+  kVolumeExponent,     // n of the volumetric law, 0: linear in the volumetric Hencky strain
+  kVolumeGrowth,       // a of the volumetric law (equation_of_state.hpp)
+  kVolumeAveraging,    // 1: the volume rate is averaged over a cell (volume_averaging.hpp)
+  kYieldStress,        // Pa, von Mises, at rest
+  kHardening,          // Pa, growth of the yield stress with plastic strain
+  kFriction,           // growth of the yield stress with pressure, 0: von Mises
+  kRateReference,      // 1/s, 0: no rate law
+  kRateExponent,       //
+  kDamageStart,        // plastic strain where damage begins
+  kDamageSlope,        // damage per plastic strain beyond that
+  kPressureCutoff,     // Pa, largest tension of the pressure (cavitation, spall)
+  kTensileStrength,    // Pa, largest principal stress (Rankine)
+  kOpeningDamage,      // part of the opening strain that counts as plastic strain
+  kNetworkModulus,     // Pa, shear modulus at rest of the network
+  kNetworkStiffening,  // beta of the network's exponential
+  kBreakStart,         // equivalent network strain where the network begins to break
+  kBreakSlope,         // 1 / (equivalent strain from there to the end)
   kMaterialColumns
 };
 
@@ -32,19 +39,21 @@ struct MaterialTable {
 
 template <class R>
 struct Material {
-  R density, bulk_modulus, shear_modulus, tait_exponent;
-  R yield_stress, friction, rate_reference, rate_exponent;
-  R damage_start, damage_end, pressure_cutoff, tensile_strength, opening_damage;
+  R density, bulk_modulus, shear_modulus, volume_exponent, volume_growth;
+  R yield_stress, hardening, friction, rate_reference, rate_exponent;
+  R damage_start, damage_slope, pressure_cutoff, tensile_strength, opening_damage;
+  R network_modulus, network_stiffening, break_start, break_slope;
 };
 
 template <class T>
 VULNUS_HD Material<typename LaneTraits<T>::Real> look_up_material(
     const MaterialTable<T>& table, typename LaneTraits<T>::Integer index) {
   auto get = [&](int column) { return look_up(table.column[column], index); };
-  return {get(kDensity),      get(kBulkModulus), get(kShearModulus),   get(kTaitExponent),
-          get(kYieldStress),  get(kFriction),    get(kRateReference),  get(kRateExponent),
-          get(kDamageStart),  get(kDamageEnd),   get(kPressureCutoff), get(kTensileStrength),
-          get(kOpeningDamage)};
+  return {get(kDensity),           get(kBulkModulus),     get(kShearModulus),  get(kVolumeExponent),
+          get(kVolumeGrowth),      get(kYieldStress),     get(kHardening),     get(kFriction),
+          get(kRateReference),     get(kRateExponent),    get(kDamageStart),   get(kDamageSlope),
+          get(kPressureCutoff),    get(kTensileStrength), get(kOpeningDamage), get(kNetworkModulus),
+          get(kNetworkStiffening), get(kBreakStart),      get(kBreakSlope)};
 }
 
 }  // namespace vulnus::injury

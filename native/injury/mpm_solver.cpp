@@ -17,9 +17,10 @@ template <class T>
 MpmSolver<T>::MpmSolver(const SolverSettings& settings, const MaterialTable<T>& materials)
     : settings_(settings), materials_(materials) {
   for (int i = 0; i < kMaterialCapacity; ++i) {
+    const double shear =
+        double(materials.column[kShearModulus][i]) + materials.column[kNetworkModulus][i];
     const double c2 =
-        (materials.column[kBulkModulus][i] + 4.0 / 3.0 * materials.column[kShearModulus][i]) /
-        materials.column[kDensity][i];
+        (materials.column[kBulkModulus][i] + 4.0 / 3.0 * shear) / materials.column[kDensity][i];
     sound_speed_ = std::max(sound_speed_, std::sqrt(c2));
   }
 }

@@ -95,7 +95,7 @@ VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockInde
     trouble = trouble_of_step(b, stencil, stress.kirchhoff, n);
   } else {
     b.load_velocity();
-    stress.kirchhoff = elastic_kirchhoff(b.material, b.point.strain);
+    stress.kirchhoff = resting_kirchhoff(b.material, b.point);
     trouble.stress = stress.kirchhoff.xx + stress.kirchhoff.yy + stress.kirchhoff.zz;
     trouble.bad = stencil.outside | not_finite<T>(trouble.stress + b.v[0] + b.v[1] + b.v[2]);
   }

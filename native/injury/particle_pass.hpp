@@ -3,7 +3,7 @@
 
 #include "core/fault.hpp"
 #include "injury/mpm_solver.hpp"
-#include "injury/plasticity.hpp"
+#include "injury/stress_update.hpp"
 #include "injury/transfer.hpp"
 
 namespace vulnus::injury {
@@ -39,14 +39,22 @@ struct Bundle {
   VULNUS_HD void store(int field, Real value) {
     *reinterpret_cast<Real*>(set.field[field].data() + first) = value;
   }
+  VULNUS_HD Symmetric3<Real> load_tensor(int f) const {
+    return {load(f), load(f + 1), load(f + 2), load(f + 3), load(f + 4), load(f + 5)};
+  }
+  VULNUS_HD void store_tensor(int first_field, const Symmetric3<Real>& s) {
+    const Real value[6] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
+    for (int a = 0; a < 6; ++a) store(first_field + a, value[a]);
+  }
 
   VULNUS_HD Bundle(ParticleSet<T>& particles, std::size_t place, const MaterialTable<T>& materials)
       : set(particles), first(place) {
     for (int a = 0; a < 3; ++a) x[a] = load(kPosition + a);
-    point.strain = {load(kStrain),     load(kStrain + 1), load(kStrain + 2),
-                    load(kStrain + 3), load(kStrain + 4), load(kStrain + 5)};
+    point.strain = load_tensor(kStrain);
+    point.network = load_tensor(kNetworkStrain);
     point.plastic_strain = load(kPlasticStrain);
     point.opening = load(kOpening);
+    point.damage = load(kDamage);
     volume = load(kVolume);
     Integer index{};
     for (int i = 0; i < kWidth; ++i) index[i] = set.material[first + i];
@@ -63,11 +71,11 @@ struct Bundle {
   }
   VULNUS_HD void store_point() {
     for (int a = 0; a < 3; ++a) store(kPosition + a, x[a]);
-    const Symmetric3<Real>& s = point.strain;
-    const Real strain[6] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
-    for (int a = 0; a < 6; ++a) store(kStrain + a, strain[a]);
+    store_tensor(kStrain, point.strain);
+    store_tensor(kNetworkStrain, point.network);
     store(kPlasticStrain, point.plastic_strain);
     store(kOpening, point.opening);
+    store(kDamage, point.damage);
   }
 };
 
@@ -133,6 +141,7 @@ VULNUS_HD StressUpdate<typename LaneTraits<T>::Real> deform(Bundle<T>& b, const 
     for (int j = 0; j < 3; ++j) increment.m[i][j] = n.dt * b.c.m[i][j];
   }
   b.point.strain = advance_strain(b.point.strain, increment);
+  b.point.network = advance_strain(b.point.network, increment);
   return update_stress(b.material, equivalent_strain_rate(b.c), b.point);
 }
 

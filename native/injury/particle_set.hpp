@@ -18,7 +18,9 @@ enum ParticleField {
   kVolume = 21,   // [m^3], undeformed
   kPlasticStrain = 22,
   kOpening = 23,
-  kParticleFields = 24
+  kDamage = 24,         // 0 to 1
+  kNetworkStrain = 25,  // 6, b - I of the network, in the order of kStrain
+  kParticleFields = 31
 };
 
 template <class T>

@@ -1,9 +1,9 @@
-// Return maps in principal Hencky strains: von Mises and Drucker-Prager with linear softening,
-// tension cut-off of the pressure (cavitation) and of the principal stress (Rankine).
+// Return maps in principal Hencky strains: von Mises and Drucker-Prager with linear hardening and
+// softening, tension cut-off of the pressure (cavitation) and of the principal stress (Rankine).
 #pragma once
 
-#include "injury/damage.hpp"
 #include "injury/elasticity.hpp"
+#include "injury/network.hpp"
 
 namespace vulnus::injury {
 
@@ -11,13 +11,21 @@ namespace vulnus::injury {
 // `materials.Material.damage_span` leaves at rest, below the 1 of snap-back.
 constexpr double kSteepestSoftening = 0.95;
 
-// What a material point remembers: elastic strain b_e - I, equivalent plastic strain, and the
-// volumetric (logarithmic) strain of its open voids and cracks.
+// What a material point remembers: elastic strain b_e - I and total strain b - I of the network,
+// equivalent plastic strain, the volumetric (logarithmic) strain of its open voids and cracks, and
+// damage.
 template <class R>
 struct PointState {
   Symmetric3<R> strain;
+  Symmetric3<R> network;
   R plastic_strain;
   R opening;
+  R damage;
+
+  // Of what the shear yield has softened and what the network has lost, the worse.
+  VULNUS_HD R worst_damage(const Material<R>& m) const {
+    return maximum(damage, softening_damage(m, plastic_strain));
+  }
 };
 
 template <class R>
@@ -46,11 +54,12 @@ VULNUS_HD void close_opening(R (&strain)[3], R& opening) {
 }
 
 // Radial return at constant pressure (isochoric flow): q = sqrt(3/2)|dev tau| <= Y(alpha) + M p,
-// with Y falling linearly within the step where damage has begun. High rates raise Y and its slope;
-// the slope stops short of 3 mu, beyond which a point would snap back and gain strength.
+// with Y linear within the step: rising by hardening, falling where damage has begun. High rates
+// raise Y and its slope; the fall stops short of 3 mu, beyond which a point would snap back and
+// gain strength. A material without shear modulus keeps no elastic shear.
 template <class R>
 VULNUS_HD auto return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3],
-                                     R& plastic_strain) {
+                                     PointState<R>& point) {
   const R one = broadcast<R>(1);
   const R mean = (strain[0] + strain[1] + strain[2]) * broadcast<R>(1.0 / 3.0);
   R deviator[3];
@@ -60,43 +69,49 @@ VULNUS_HD auto return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3
   const R three_mu = broadcast<R>(3) * m.shear_modulus;
   const R q = three_mu * square_root(broadcast<R>(2.0 / 3.0) * norm_squared);
   const R pressure = -m.bulk_modulus * mean * broadcast<R>(3);
-  const R full = m.yield_stress * rate_factor(m, rate);
-  const R cohesion = full * (one - damage_of(m, plastic_strain));
+  const R factor = rate_factor(m, rate);
+  const R full = (m.yield_stress + m.hardening * point.plastic_strain) * factor;
+  const R softened_part = softening_damage(m, point.plastic_strain);
+  const R sound = one - maximum(point.damage, softened_part);
+  const R cohesion = full * sound;
   const R frictional = m.friction * pressure;
   const R yield = maximum(cohesion + frictional, R{});
   const auto flowing = q > yield;
-  const auto softening = (plastic_strain >= m.damage_start) & (plastic_strain < m.damage_end);
+  const auto softening = (point.plastic_strain >= m.damage_start) & (softened_part < one) &
+                         (softened_part >= point.damage);
   const R steepest = broadcast<R>(kSteepestSoftening) * three_mu;
-  const R slope = select(softening, minimum(full / (m.damage_end - m.damage_start), steepest), R{});
+  const R fall = select(softening, minimum(full * m.damage_slope, steepest), R{});
+  const R slope = fall - m.hardening * factor * sound;
   const R guess = (q - yield) / (three_mu - slope);
-  const R softened = maximum(maximum(cohesion - slope * guess, R{}) + frictional, R{});
-  const R scale = select(flowing, softened / maximum(q, broadcast<R>(1e-30)), one);
-  for (int a = 0; a < 3; ++a) strain[a] = mean + scale * deviator[a];
-  plastic_strain += select(flowing, (q - softened) / three_mu, R{});
-  return flowing;
+  const R left = maximum(maximum(cohesion - slope * guess, R{}) + frictional, R{});
+  const auto fluid = three_mu <= R{};
+  const R scale = select(flowing, left / maximum(q, broadcast<R>(1e-30)), one);
+  for (int a = 0; a < 3; ++a) strain[a] = mean + select(fluid, R{}, scale) * deviator[a];
+  point.plastic_strain += select(flowing, (q - left) / three_mu, R{});
+  return flowing | fluid;
 }
 
 // Largest tension of the pressure: what exceeds it opens voids.
 template <class R>
-VULNUS_HD auto return_to_pressure_cutoff(const Material<R>& m, R (&strain)[3], R& plastic_strain,
-                                         R& opening) {
+VULNUS_HD auto return_to_pressure_cutoff(const Material<R>& m, R (&strain)[3],
+                                         PointState<R>& point) {
   const R trace = strain[0] + strain[1] + strain[2];
-  const R sound = broadcast<R>(1) - damage_of(m, plastic_strain);
+  const R sound = broadcast<R>(1) - point.worst_damage(m);
   const R excess = maximum(trace - sound * m.pressure_cutoff / m.bulk_modulus, R{});
   for (int a = 0; a < 3; ++a) strain[a] -= excess * broadcast<R>(1.0 / 3.0);
-  opening += excess;
-  plastic_strain += m.opening_damage * excess;
+  point.opening += excess;
+  point.plastic_strain += m.opening_damage * excess;
   return excess > R{};
 }
 
 // Closest-point return to max principal stress <= f_t. With n active principal stresses the sum of
 // the crack strains is S_n = sum(tau - f_t) / (n lambda + 2 mu); the right n has the largest S_n.
+// Without shear modulus the pressure's cut-off is all there is.
 template <class R>
-VULNUS_HD auto return_to_rankine(const Material<R>& m, R (&strain)[3], R& plastic_strain,
-                                 R& opening) {
+VULNUS_HD auto return_to_rankine(const Material<R>& m, R (&strain)[3], PointState<R>& point) {
   const R two_mu = broadcast<R>(2) * m.shear_modulus;
   const R lambda = m.bulk_modulus - two_mu * broadcast<R>(1.0 / 3.0);
-  const R strength = m.tensile_strength * (broadcast<R>(1) - damage_of(m, plastic_strain));
+  const R strength = m.tensile_strength * (broadcast<R>(1) - point.worst_damage(m));
   const R trace = strain[0] + strain[1] + strain[2];
   R over[3];
   for (int a = 0; a < 3; ++a) over[a] = two_mu * strain[a] + lambda * trace - strength;
@@ -106,37 +121,15 @@ VULNUS_HD auto return_to_rankine(const Material<R>& m, R (&strain)[3], R& plasti
   R crack = maximum(R{}, largest / (lambda + two_mu));
   crack = maximum(crack, (total - smallest) / (broadcast<R>(2) * lambda + two_mu));
   crack = maximum(crack, total / (broadcast<R>(3) * lambda + two_mu));
-  const auto cracking = largest > R{};
+  const auto cracking = (largest > R{}) & (two_mu > R{});
   crack = select(cracking, crack, R{});
   for (int a = 0; a < 3; ++a) {
     const R part = maximum(over[a] - lambda * crack, R{}) / two_mu;
     strain[a] -= select(cracking, part, R{});
   }
-  opening += crack;
-  plastic_strain += m.opening_damage * crack;
+  point.opening += crack;
+  point.plastic_strain += m.opening_damage * crack;
   return cracking;
-}
-
-// Returns the trial state of a step to all limits and gives its stress.
-template <class R>
-VULNUS_HD StressUpdate<R> update_stress(const Material<R>& m, R rate, PointState<R>& point) {
-  const Eigen3<R> e = symmetric_eigen(point.strain);
-  R hencky[3], stress[3], rebuilt[3];
-  for (int a = 0; a < 3; ++a) hencky[a] = broadcast<R>(0.5) * log_one_plus(e.value[a]);
-  const R opening = point.opening;
-  close_opening(hencky, point.opening);
-  auto changed = return_to_shear_yield(m, rate, hencky, point.plastic_strain);
-  changed |= return_to_pressure_cutoff(m, hencky, point.plastic_strain, point.opening);
-  changed |= return_to_rankine(m, hencky, point.plastic_strain, point.opening);
-  changed |= opening > R{};
-  hencky_kirchhoff(m, hencky, stress);
-  for (int a = 0; a < 3; ++a) rebuilt[a] = exp_minus_one(broadcast<R>(2) * hencky[a]);
-  const Symmetric3<R> b = from_principal(e.vector, rebuilt);
-  Symmetric3<R>& s = point.strain;
-  s = {select(changed, b.xx, s.xx), select(changed, b.yy, s.yy), select(changed, b.zz, s.zz),
-       select(changed, b.xy, s.xy), select(changed, b.yz, s.yz), select(changed, b.zx, s.zx)};
-  return {from_principal(e.vector, stress),
-          sound_speed_squared(m, hencky[0] + hencky[1] + hencky[2])};
 }
 
 }  // namespace vulnus::injury

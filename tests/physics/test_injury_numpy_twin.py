@@ -7,7 +7,15 @@ import pytest
 from reference import mpm_twin as twin
 
 from vulnus.injury.materials import tissue_table
-from vulnus.injury.solver import GRADIENT, OPENING, PLASTIC_STRAIN, STRAIN, MpmSolver
+from vulnus.injury.solver import (
+    DAMAGE,
+    GRADIENT,
+    NETWORK_STRAIN,
+    OPENING,
+    PLASTIC_STRAIN,
+    STRAIN,
+    MpmSolver,
+)
 
 pytestmark = pytest.mark.physics
 
@@ -47,8 +55,8 @@ def relative(a, b):
     return float(np.max(np.abs(a - b)) / np.max(np.abs(b)))
 
 
-def native_b(solver):
-    e = solver._native.values(STRAIN, 6)
+def native_b(solver, field=STRAIN):
+    e = solver._native.values(field, 6)
     rows = e[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
     return rows + np.eye(3)
 
@@ -60,6 +68,7 @@ def test_one_step_agrees_to_rounding():
     assert relative(solver.velocity, state.v) < 1e-12
     assert relative(solver._native.values(GRADIENT, 9).reshape(-1, 3, 3), state.c) < 1e-12
     assert relative(native_b(solver), state.b) < 1e-12
+    assert relative(native_b(solver, NETWORK_STRAIN), state.network) < 1e-12
 
 
 def test_plastic_steps_agree():
@@ -67,7 +76,10 @@ def test_plastic_steps_agree():
     solver, state = native_and_twin(2, steps=6, dt=3e-7)
     assert np.mean(state.alpha > 0) > 0.1
     assert np.any(state.opening > 0)
+    assert np.any((state.damage > 0) & (state.damage < 1))
     assert relative(native_b(solver), state.b) < 1e-9
+    assert relative(native_b(solver, NETWORK_STRAIN), state.network) < 1e-9
+    assert relative(solver._native.values(DAMAGE, 1)[:, 0], state.damage) < 1e-9
     assert relative(solver._native.values(PLASTIC_STRAIN, 1)[:, 0], state.alpha) < 1e-9
     assert relative(solver._native.values(OPENING, 1)[:, 0], state.opening) < 1e-9
     assert relative(solver.velocity, state.v) < 1e-9

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference.material_point import update
 from scipy.spatial.transform import Rotation
 
-from vulnus.injury import _native
-from vulnus.injury.materials import MUSCLE, Material, material_table, tissue_table
+from vulnus.injury.materials import COPPER, MARROW, Material, material_table, tissue_table
 
 pytestmark = pytest.mark.physics
 
@@ -20,31 +20,10 @@ ROCK = Material(
 GLASS = Material(density=2500.0, bulk_modulus=40e9, shear_modulus=30e9, tensile_strength=50e6)
 
 
-def voigt(matrix):
-    return matrix[..., [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]
-
-
-def tensor(v):
-    return v[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*v.shape[:-1], 3, 3)
-
-
-def spectral(matrix, law):
-    value, vector = np.linalg.eigh(matrix)
-    return np.einsum("...ia,...a,...ja->...ij", vector, law(value), vector)
-
-
-def apply(material, hencky, *, alpha=0.0, opening=0.0, rate=0.0, precision="64", dx=0.002):
+def apply(material, hencky, **state):
     """Return map on Hencky strains (n, 3, 3): Hencky strain, alpha, opening, stress after."""
-    table = material_table([material], dx) if isinstance(material, Material) else material
-    hencky = np.atleast_3d(hencky).reshape(-1, 3, 3)
-    n = len(hencky)
-    state = np.zeros((n, 8))
-    state[:, :6] = voigt(spectral(hencky, lambda e: np.expm1(2.0 * e)))
-    state[:, 6], state[:, 7] = alpha, opening
-    run = _native.return_map64 if precision == "64" else _native.return_map32
-    out = run(table, np.zeros(n, np.uint8), state, np.full(n, float(rate)))
-    after = spectral(tensor(out[:, :6]), lambda v: 0.5 * np.log1p(v))
-    return after, out[:, 6], out[:, 7], tensor(out[:, 8:])
+    point = update(material, hencky, **state)
+    return point.hencky, point.alpha, point.opening, point.tau
 
 
 def test_uniaxial_strain_returns_to_the_von_mises_cylinder():
@@ -126,12 +105,12 @@ def test_softening_spends_the_fracture_energy_on_any_cell():
 
 
 def test_softening_at_high_rates_never_adds_strength():
-    """On cells of 10 mm at 1e5-1e7 /s muscle's stress falls and its plastic strain grows."""
-    row = material_table([MUSCLE], 0.01)
-    start = MUSCLE.damage_start
+    """On cells of 10 mm at 1e5-1e7 /s marrow's stress falls and its plastic strain grows."""
+    row = material_table([MARROW], 0.01)
+    start = MARROW.damage_start
     for rate in (1e5, 1e6, 1e7):
-        full = MUSCLE.yield_stress * (1.0 + (rate / MUSCLE.rate_reference) ** MUSCLE.rate_exponent)
-        shear = 1.05 * full / (3.0 * MUSCLE.shear_modulus)  # q = 3 mu shear, 5 % above yield
+        full = MARROW.yield_stress * (1.0 + (rate / MARROW.rate_reference) ** MARROW.rate_exponent)
+        shear = 1.05 * full / (3.0 * MARROW.shear_modulus)  # q = 3 mu shear, 5 % above yield
         strain = np.diag([shear, -0.5 * shear, -0.5 * shear])
         _, alpha, _, tau = apply(row, strain, alpha=start, rate=rate)
         principal = np.linalg.eigvalsh(tau[0])
@@ -164,11 +143,39 @@ def test_tension_opens_voids_and_compression_closes_them_first():
 
 def test_the_rate_law_multiplies_the_yield_stress():
     """Y = Y0 [1 + (rate / 300)^0.36]: 1.03 MPa at 4e4 /s, from 0.15 MPa (PHYSICS.md 1.2)."""
-    table = tissue_table(0.002)[2:3]  # muscle
-    _, _, _, tau = apply(table, np.diag([0.3, -0.3, 0.0]), rate=4e4)
+    gel = Material(
+        density=1030.0, bulk_modulus=2.4e9, shear_modulus=3.5e6, yield_stress=0.15e6,
+        rate_reference=300.0, rate_exponent=0.36,
+    )  # fmt: skip
+    _, _, _, tau = apply(gel, np.diag([0.3, -0.3, 0.0]), rate=4e4)
     deviator = tau[0] - np.trace(tau[0]) / 3.0 * np.eye(3)
     q = np.sqrt(1.5 * np.sum(deviator**2))
     assert q == pytest.approx(0.15e6 * (1.0 + (4e4 / 300.0) ** 0.36), rel=1e-8)
+
+
+def test_linear_hardening_is_the_radial_return_in_closed_form():
+    """delta alpha = (q - Y(alpha)) / (3 mu + H) (PHYSICS 1.4), and q lands on Y (M5)."""
+    shear, alpha = COPPER.shear_modulus, 0.3
+    q_trial = 2.0 * shear * 0.05  # uniaxial strain 0.05
+    flow = (q_trial - 400e6 - 100e6 * alpha) / (3.0 * shear + 100e6)
+    after = update(COPPER, np.diag([0.05, 0.0, 0.0]), alpha=alpha)
+    assert after.alpha[0] == pytest.approx(alpha + flow, rel=1e-8)
+    stress = np.diag(after.tau[0])
+    assert stress[0] - stress[1] == pytest.approx(400e6 + 100e6 * (alpha + flow), rel=1e-8)
+
+
+def test_damage_of_the_network_weakens_what_flows_and_what_opens():
+    """At D = 0.4 the yield stress and the cavitation pressure are 0.6 of theirs."""
+    gel = Material(
+        density=1000.0, bulk_modulus=2e9, shear_modulus=3e6, yield_stress=1e5,
+        pressure_cutoff=3e5,
+    )  # fmt: skip
+    after = update(gel, np.diag([0.2, -0.2, 0.01]), damage=0.4)
+    stress = np.linalg.eigvalsh(after.tau[0])
+    mean = np.mean(stress)
+    assert np.sqrt(1.5 * np.sum((stress - mean) ** 2)) == pytest.approx(0.6e5, rel=1e-8)
+    assert mean == pytest.approx(0.6 * 3e5, rel=1e-8)
+    assert after.damage[0] == 0.4
 
 
 @settings(derandomize=True, max_examples=25, deadline=None)

@@ -17,7 +17,10 @@ OFFSETS = np.stack(np.meshgrid(*[np.arange(3)] * 3, indexing="ij"), axis=-1).res
 
 @dataclass
 class TwinState:
-    """Particles: x, v (n, 3); c (n, 3, 3); b elastic left Cauchy-Green; alpha, opening (n,)."""
+    """Particles: x, v (n, 3); c (n, 3, 3); alpha, opening, damage (n,).
+
+    b (n, 3, 3) is the elastic, `network` the total left Cauchy-Green tensor.
+    """
 
     x: np.ndarray
     v: np.ndarray
@@ -25,13 +28,18 @@ class TwinState:
     b: np.ndarray
     alpha: np.ndarray
     opening: np.ndarray
+    damage: np.ndarray
+    network: np.ndarray
 
 
 def at_rest(x: np.ndarray, v: np.ndarray) -> TwinState:
     """Unstrained particles."""
     n = len(x)
     eye = np.tile(np.eye(3), (n, 1, 1))
-    return TwinState(x.copy(), v.copy(), np.zeros((n, 3, 3)), eye, np.zeros(n), np.zeros(n))
+    zero = np.zeros(n)
+    return TwinState(
+        x.copy(), v.copy(), np.zeros((n, 3, 3)), eye, zero, zero.copy(), zero.copy(), eye.copy()
+    )
 
 
 def columns(table: np.ndarray, material: np.ndarray) -> dict[str, np.ndarray]:
@@ -42,16 +50,40 @@ def columns(table: np.ndarray, material: np.ndarray) -> dict[str, np.ndarray]:
 def principal_kirchhoff(m: dict[str, np.ndarray], strain: np.ndarray) -> np.ndarray:
     """2 mu dev(eps) - J p for principal Hencky strains (n, 3)."""
     trace = strain.sum(axis=1)
-    n = np.where(m["tait_exponent"] > 0, m["tait_exponent"], 1.0)
-    tait = -np.exp(trace) * m["bulk_modulus"] / n * (np.exp(-n * trace) - 1.0)
-    volumetric = np.where(m["tait_exponent"] > 0, tait, m["bulk_modulus"] * trace)
+    n = np.where(m["volume_exponent"] > 0, m["volume_exponent"], 1.0)
+    a = m["volume_growth"]
+    curved = m["bulk_modulus"] / n * (np.exp(a * trace) - np.exp((a - n) * trace))
+    volumetric = np.where(m["volume_exponent"] > 0, curved, m["bulk_modulus"] * trace)
     deviator = strain - trace[:, None] / 3.0
     return 2.0 * m["shear_modulus"][:, None] * deviator + volumetric[:, None]
 
 
-def damage(m: dict[str, np.ndarray], alpha: np.ndarray) -> np.ndarray:
-    """Linear from damage_start to damage_end."""
-    return np.clip((alpha - m["damage_start"]) / (m["damage_end"] - m["damage_start"]), 0.0, 1.0)
+def softening(m: dict[str, np.ndarray], alpha: np.ndarray) -> np.ndarray:
+    """Linear from damage_start to 1."""
+    return np.clip((alpha - m["damage_start"]) * m["damage_slope"], 0.0, 1.0)
+
+
+def invariant(b: np.ndarray) -> np.ndarray:
+    """First invariant (n,) of the isochoric part of b."""
+    return np.trace(b, axis1=1, axis2=2) * np.linalg.det(b) ** (-1.0 / 3.0)
+
+
+def network_damage(m: dict[str, np.ndarray], b: np.ndarray) -> np.ndarray:
+    """The equivalent stress 3 mu e (1 - D) falls linearly from break_start on."""
+    e = np.sqrt(np.maximum(invariant(b) - 3.0, 0.0) / 3.0)
+    start = m["break_start"]
+    line = np.clip(1.0 - (e - start) * m["break_slope"], 0.0, 1.0)
+    return np.where(e > start, 1.0 - line * start / np.where(e > start, e, 1.0), 0.0)
+
+
+def network_kirchhoff(m: dict[str, np.ndarray], b: np.ndarray, damage: np.ndarray) -> np.ndarray:
+    """mu exp(beta (I - 3)) dev(J^(-2/3) b) (1 - D), no stiffer than at break_start."""
+    most = 3.0 * m["break_start"] ** 2
+    exponent = m["network_stiffening"] * np.minimum(invariant(b) - 3.0, most)
+    modulus = m["network_modulus"] * np.exp(exponent) * (1.0 - damage)
+    isochoric = b * np.linalg.det(b)[:, None, None] ** (-1.0 / 3.0)
+    mean = np.trace(isochoric, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+    return modulus[:, None, None] * (isochoric - mean)
 
 
 def return_map(
@@ -59,9 +91,14 @@ def return_map(
     strain: np.ndarray,
     alpha: np.ndarray,
     opening: np.ndarray,
+    *,
+    damage: np.ndarray,
     rate: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Closing of voids, shear yield, pressure cut-off, Rankine; loops over particles."""
+    """Closing of voids, shear yield, pressure cut-off, Rankine; loops over particles.
+
+    `damage` is what the network and the past leave.
+    """
     strain, alpha, opening = strain.copy(), alpha.copy(), opening.copy()
     for p in range(len(strain)):
         k = {name: float(value[p]) for name, value in m.items()}
@@ -76,29 +113,35 @@ def return_map(
         factor = 1.0
         if k["rate_reference"] > 0:
             factor += (rate[p] / k["rate_reference"]) ** k["rate_exponent"]
-        full = k["yield_stress"] * factor
-        cohesion = full * (1.0 - damage(lone, alpha[p : p + 1])[0])
+        full = (k["yield_stress"] + k["hardening"] * alpha[p]) * factor
+        softened = softening(lone, alpha[p : p + 1])[0]
+        sound = 1.0 - max(softened, damage[p])
+        cohesion = full * sound
         friction = -k["friction"] * k["bulk_modulus"] * 3.0 * mean
         if q > max(cohesion + friction, 0.0):
-            span = k["damage_end"] - k["damage_start"]
-            softening = k["damage_start"] <= alpha[p] < k["damage_end"]
-            slope = min(full / span, 0.95 * 3.0 * k["shear_modulus"]) if softening else 0.0
+            falls = k["damage_start"] <= alpha[p] and damage[p] <= softened < 1.0
+            steepest = 0.95 * 3.0 * k["shear_modulus"]
+            slope = min(full * k["damage_slope"], steepest) if falls else 0.0
+            slope -= k["hardening"] * factor * sound
             guess = (q - max(cohesion + friction, 0.0)) / (3.0 * k["shear_modulus"] - slope)
             left = max(max(cohesion - slope * guess, 0.0) + friction, 0.0)
             strain[p] = mean + deviator * left / q
             alpha[p] += (q - left) / (3.0 * k["shear_modulus"])
+        if k["shear_modulus"] == 0.0:
+            strain[p] = mean
         # pressure cut-off
-        sound = 1.0 - damage(lone, alpha[p : p + 1])[0]
+        sound = 1.0 - max(softening(lone, alpha[p : p + 1])[0], damage[p])
         excess = max(strain[p].sum() - sound * k["pressure_cutoff"] / k["bulk_modulus"], 0.0)
         strain[p] -= excess / 3.0
         opening[p] += excess
         alpha[p] += k["opening_damage"] * excess
         # Rankine: try one, two, three active principal stresses, largest first
-        strength = k["tensile_strength"] * (1.0 - damage(lone, alpha[p : p + 1])[0])
+        sound = 1.0 - max(softening(lone, alpha[p : p + 1])[0], damage[p])
+        strength = k["tensile_strength"] * sound
         mu, lam = k["shear_modulus"], k["bulk_modulus"] - 2.0 * k["shear_modulus"] / 3.0
         over = 2.0 * mu * strain[p] + lam * strain[p].sum() - strength
         order = np.argsort(-over)
-        if over[order[0]] > 0:
+        if over[order[0]] > 0 and mu > 0:
             for count in (1, 2, 3):
                 active = order[:count]
                 total = over[active].sum() / (count * lam + 2.0 * mu)
@@ -144,6 +187,7 @@ def step(
     shape = tuple(node.reshape(-1, 3).max(axis=0) - lowest + 1)
     flat = np.ravel_multi_index(tuple((node - lowest).transpose(2, 0, 1)), shape)
     tau = spectral(s.b, lambda v: principal_kirchhoff(m, 0.5 * np.log(v)))
+    tau = tau + network_kirchhoff(m, s.network, s.damage)
     affine = mass[:, None, None] * s.c
     affine = affine - stress_sign * dt * 4.0 / dx**2 * volume[:, None, None] * tau
     grid_mass, grid_v = np.zeros(np.prod(shape)), np.zeros((np.prod(shape), 3))
@@ -157,10 +201,17 @@ def step(
     c = 4.0 / dx**2 * np.einsum("nk,nki,nkj->nij", weight, local, arm)
     f = np.eye(3) + dt * c
     b = np.einsum("nij,njk,nlk->nil", f, s.b, f)
+    network = np.einsum("nij,njk,nlk->nil", f, s.network, f)
+    damage = np.maximum(s.damage, network_damage(m, network))
     symmetric = 0.5 * (c + c.transpose(0, 2, 1))
     deviator = symmetric - np.trace(symmetric, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
     rate = np.sqrt(2.0 / 3.0 * np.einsum("nij,nij->n", deviator, deviator))
     value, vector = np.linalg.eigh(b)
-    strain, alpha, opening = return_map(m, 0.5 * np.log(value), s.alpha, s.opening, rate)
+    strain, alpha, opening = return_map(
+        m, 0.5 * np.log(value), s.alpha, s.opening, damage=damage, rate=rate
+    )
     b = np.einsum("nia,na,nja->nij", vector, np.exp(2.0 * strain), vector)
-    return TwinState(s.x + dt * v, v, c, b, alpha, opening)
+    damage = np.maximum(damage, softening(m, alpha))
+    forgotten = (m["network_modulus"] == 0) | (damage >= 1.0)
+    network = np.where(forgotten[:, None, None], np.eye(3), network)
+    return TwinState(s.x + dt * v, v, c, b, alpha, opening, damage, network)

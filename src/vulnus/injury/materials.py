@@ -1,179 +1,197 @@
-"""Material constants of the tissues, each with its source, and the table that the solver reads.
+"""The materials by name, each constant with its source, and the table of the limb's tissues.
 
 Marks as in the project's physics notes: [F] a source that was read, [M] from memory of the named
 literature, [D] derived, [chosen] with the reason.
+
+A new material is one more row here; `material_model.Material` says what the fields mean.
 """
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-
-import numpy as np
+from dataclasses import replace
+from types import MappingProxyType
 
 from vulnus.core.arrays import FloatArray
+from vulnus.core.errors import ScenarioError
 from vulnus.core.handoff import Tissue
 
-UNLIMITED = 1e30
-"""A strength that is never reached [Pa]."""
-
-COLUMNS = (
-    "density",
-    "bulk_modulus",
-    "shear_modulus",
-    "tait_exponent",
-    "yield_stress",
-    "friction",
-    "rate_reference",
-    "rate_exponent",
-    "damage_start",
-    "damage_end",
-    "pressure_cutoff",
-    "tensile_strength",
-    "opening_damage",
+from .material_model import (
+    COLUMNS,
+    UNLIMITED,
+    Material,
+    drucker_prager,
+    elastic,
+    liquid,
+    material_table,
+    neo_hookean,
+    slowed,
+    von_mises,
 )
-"""Columns of the native table, in the order of `MaterialColumn` in material.hpp."""
 
+__all__ = [
+    "COLUMNS",
+    "MATERIALS",
+    "TISSUE_MATERIALS",
+    "UNLIMITED",
+    "Material",
+    "drucker_prager",
+    "elastic",
+    "liquid",
+    "material",
+    "material_table",
+    "neo_hookean",
+    "slowed",
+    "tissue_table",
+    "von_mises",
+]
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Material:
-    """One elasto-plastic material; SI.
+GELATIN_10 = Material(
+    name="gelatin_10",  # 10 % by mass at 4 °C, the FBI's
+    density=1030.0,  # [M: Wen 2013, Int J Impact Eng]
+    bulk_modulus=2.38e9,  # [M: Wen 2013]
+    tait_exponent=7.0,  # Tait's law for water [M: Cole 1948]
+    volume_averaging=True,
+    pressure_cutoff=0.3e6,  # cavitation at 0.1-0.5 MPa [M]
+    shear_modulus=3.5e6,  # 3-4 MPa at 4e4 /s [D: cavity expansion, 2.18 MPa of drag of the BB]
+    yield_stress=0.03e6,  # with the law of rate 0.13 MPa at 100 /s, 0.95 MPa at 4e4 /s [D]
+    rate_reference=3.0,  # 1/s [D: same fit]
+    rate_exponent=0.36,  # [D: same fit]
+    network_modulus=0.05e6,  # E/3 at low rate, 0.1-0.8 MPa [D: PHYSICS 1.2]
+    failure_stretch=1.8,  # failure strain 0.7-0.9 [M: Wen 2013]
+    fracture_energy=0.1e3,  # J/m² [chosen: 10 at rest [M: Forte 2015], times 10 for the speed of a
+    # crack of 1 m/s and more (growth with it: Baumberger 2006 [M])]
+    softening_stress=1.0e6,  # yield stress at 4e4 /s, where a ballistic wound tears [D]
+)
 
-    Stress is Hencky-elastic in shear; the pressure is K ln J, or Tait's law where `tait_exponent`
-    is not 0. Shear flows at q = yield_stress [1 + (rate/rate_reference)^rate_exponent] (1 - D) +
-    friction p. Damage D grows from 0 at the plastic strain `damage_start` to 1 after a span that
-    spends `fracture_energy` [J/m²] over one cell at the stress `softening_stress`.
-    """
-
-    density: float
-    bulk_modulus: float
-    shear_modulus: float
-    tait_exponent: float = 0.0
-    yield_stress: float = UNLIMITED
-    friction: float = 0.0
-    rate_reference: float = 0.0
-    rate_exponent: float = 1.0
-    damage_start: float = 0.0
-    fracture_energy: float = UNLIMITED
-    softening_stress: float = 1.0
-    pressure_cutoff: float = UNLIMITED
-    tensile_strength: float = UNLIMITED
-    opening_damage: float = 0.0
-
-    @property
-    def sound_speed(self) -> float:
-        """Speed of longitudinal waves sqrt((K + 4G/3)/rho) [m/s]."""
-        modulus = self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus
-        return float(np.sqrt(modulus / self.density))
-
-    def damage_span(self, grid_spacing: float) -> float:
-        """Plastic strain over which the strength goes to zero, 2 G_f / (stress * cell).
-
-        Crack-band regularisation (Bazant & Oh 1983 [M]): the energy per crack area does not depend
-        on the cell. Where the span is less than the yield strain a cell snaps back, so it stops
-        10 % above that (the crack then costs more energy than `fracture_energy`). With the elastic
-        strain gone at the end, exp(span) is the stretch at failure.
-        """
-        span = 2.0 * self.fracture_energy / (self.softening_stress * grid_spacing)
-        strength = self.yield_stress if self.yield_stress < UNLIMITED else self.softening_stress
-        return max(span, 1.1 * strength / (3.0 * self.shear_modulus))
-
-    def row(self, grid_spacing: float) -> list[float]:
-        """The native table's row for a cell of `grid_spacing` [m]."""
-        values = {name: getattr(self, name) for name in COLUMNS if name != "damage_end"}
-        values["damage_end"] = self.damage_start + self.damage_span(grid_spacing)
-        return [float(min(values[name], UNLIMITED)) for name in COLUMNS]
-
+GELATIN_20 = replace(
+    GELATIN_10,
+    name="gelatin_20",  # 20 % by mass at 10 °C, the NATO's
+    density=1060.0,  # [chosen: 10 % more gelatin of 1350 kg/m³]
+    shear_modulus=8.1e6,  # 2.32 times that of 10 %: drag 5.06 to 2.18 MPa [D: PHYSICS 1.2]
+    yield_stress=0.07e6,  # the same ratio [D]
+    network_modulus=0.116e6,  # the same ratio [chosen: no data]
+    fracture_energy=0.232e3,  # the same ratio [chosen: no data]
+    softening_stress=2.32e6,  # the same ratio [D]
+)
 
 MUSCLE = Material(
+    name="muscle",
     density=1060.0,  # 1040-1090 [M]
     bulk_modulus=2.3e9,  # c = 1.5 km/s [M]
-    shear_modulus=3.5e6,  # 3-4 MPa at 4e4 /s [D: cavity-expansion fit to the BB in 10 % gel]
     tait_exponent=7.0,  # Tait's law for water [M: Cole 1948]
-    yield_stress=0.15e6,  # at rest [D: same fit]
-    rate_reference=3e2,  # 1/s [D: same fit]
-    rate_exponent=0.36,  # about 1 MPa at 4e4 /s [D: same fit]
-    damage_start=0.4,  # [chosen: half of the failure strain 0.5-1.0 [M]]
+    volume_averaging=True,
+    pressure_cutoff=0.3e6,  # cavitation at 0.1-0.5 MPa [M]
+    shear_modulus=3.5e6,  # as gelatin 10 %, made to behave like it [D]
+    yield_stress=0.03e6,  # as gelatin 10 % [D]; 0.13 MPa at 100 /s: 0.1-0.5 MPa in tension [M]
+    rate_reference=3.0,  # 1/s, as gelatin 10 % [D]
+    rate_exponent=0.36,  # as gelatin 10 % [D]
+    network_modulus=0.1e6,  # E 0.1-0.8 MPa at 100 /s [D: PHYSICS 1.2]
+    failure_stretch=1.5,  # failure strain 0.5-1.0 [M], where it begins
     fracture_energy=0.6e3,  # 0.3-1 kJ/m² [M]
     softening_stress=1.0e6,  # yield stress at 4e4 /s, where a ballistic wound tears [D]
-    pressure_cutoff=0.3e6,  # cavitation at 0.1-0.5 MPa [M]
 )
 
 FAT = Material(
+    name="fat",
     density=950.0,  # 920-970 [M]
     bulk_modulus=2.0e9,  # [M]
-    shear_modulus=0.7e6,  # a fifth of muscle's [chosen: quasi-static E 1-5 kPa to 10-100 kPa [M]]
     tait_exponent=7.0,  # as muscle [chosen: mostly liquid]
-    yield_stress=0.03e6,  # a fifth of muscle's [chosen: strength 0.1 to 0.1-0.5 MPa [M]]
-    rate_reference=3e2,  # as muscle [chosen: no data]
+    volume_averaging=True,
+    pressure_cutoff=0.1e6,  # strength 0.1 MPa [M]
+    shear_modulus=0.7e6,  # a fifth of muscle's [chosen: quasi-static E 1-5 kPa to 10-100 kPa [M]]
+    yield_stress=0.006e6,  # a fifth of muscle's [chosen: strength 0.1 to 0.1-0.5 MPa [M]]
+    rate_reference=3.0,  # 1/s, as muscle [chosen: no data]
     rate_exponent=0.36,  # as muscle [chosen: no data]
-    damage_start=0.4,  # half of the failure strain 0.8 [M]
+    network_modulus=0.02e6,  # a fifth of muscle's [chosen: as the shear modulus]
+    failure_stretch=1.8,  # failure strain 0.8 [M]
     fracture_energy=0.12e3,  # a fifth of muscle's [chosen: no data]
     softening_stress=0.2e6,  # yield stress at 4e4 /s [D]
-    pressure_cutoff=0.1e6,  # strength 0.1 MPa [M]
 )
 
 SKIN = Material(
+    name="skin",
     density=1110.0,  # 1100-1150 [M]
     bulk_modulus=2.2e9,  # [M]
-    shear_modulus=27.7e6,  # E/3 of 83 MPa, the linear part [F: Ni Annaidh, arXiv 1302.3022]
-    yield_stress=21.6e6,  # tensile strength 21.6 +- 8.4 MPa [F: Ni Annaidh]
-    fracture_energy=12e3,  # 2.5-20 kJ/m² [M: Pereira 1997; Yang 2015]; the stretch at failure is
-    # then 1.45 on cells of 3 mm and 1.74 on 2 mm, against 1.54 +- 0.17 measured [F]
-    softening_stress=21.6e6,  # the yield stress
-    pressure_cutoff=21.6e6,  # the tensile strength
-    opening_damage=1.0,  # what opens is torn
+    volume_averaging=True,
+    pressure_cutoff=33e6,  # true stress at failure, 21.6 MPa times 1.54 [D]
+    network_modulus=5.18e6,  # [D: with the next, the law's one fit to the next three]
+    network_stiffening=1.963,  # [D]: 21.6 MPa (nominal) and 3.6 MJ/m³ at a stretch of 1.54
+    failure_stretch=1.54,  # 1.54 +- 0.17; 21.6 +- 8.4 MPa; 3.6 +- 1.6 MJ/m³ [F: Ni Annaidh]
+    fracture_energy=12e3,  # 2.5-20 kJ/m² [M: Pereira 1997; Yang 2015]
 )
 
 ARTERY = Material(
+    name="artery",
     density=1080.0,  # 1050-1100 [M]
     bulk_modulus=2.2e9,  # as skin [chosen: wet collagen tissue]
-    shear_modulus=2.0e6,  # E 2-6 MPa at high stretch [M: Mohan & Melbin 1983]
     tait_exponent=7.0,  # as muscle [chosen: a tube full of blood]
-    yield_stress=1.8e6,  # strength 1.5-5 MPa [M: Mohan & Melbin 1983]
-    fracture_energy=1.2e3,  # [chosen: stretch at failure 1.56 on cells of 3 mm, between the
-    # 1.4-1.8 of wall strips [M]]
-    softening_stress=1.8e6,  # the yield stress
+    volume_averaging=True,
     pressure_cutoff=0.3e6,  # as muscle [chosen: full of blood]
+    network_modulus=0.8e6,  # E 2.4 MPa, 6 at failure; 2-6 MPa [M: Mohan & Melbin 1983]
+    network_stiffening=0.94,  # [D]: 1.8 MPa at failure, 1.5-5 MPa [M: Mohan & Melbin 1983]
+    failure_stretch=1.56,  # 1.4-1.8 of wall strips [M]
+    fracture_energy=1.2e3,  # [chosen: 1.5 times what a cell of 2 mm stores at failure]
 )
 
 CORTICAL_BONE = Material(
+    name="cortical_bone",
     density=1900.0,  # 1800-2050 [M]
     bulk_modulus=14.2e9,  # E 17 GPa (15 modal, 6-45 [F]), Poisson's ratio 0.3 [M]
     shear_modulus=6.54e9,  # the same
     yield_stress=157.6e6,  # with the friction: 200 MPa in compression, 130 MPa in tension [F, M]
     friction=0.636,  # 3 (200 - 130) / (200 + 130) [D]
+    tensile_strength=130e6,  # 120-150 MPa [F, M]
     fracture_energy=3e3,  # 2-6 kJ/m² [M]
     softening_stress=130e6,  # the tensile strength
-    tensile_strength=130e6,  # 120-150 MPa [F, M]
     opening_damage=1.0,  # what opens is cracked
 )
 
 CANCELLOUS_BONE = Material(
+    name="cancellous_bone",
     density=1150.0,  # with marrow, 1050-1400 [M]
     bulk_modulus=2.0e9,  # filled with fluid, 1-3 GPa [M]
     shear_modulus=0.2e9,  # E 0.1-1 GPa [M]
     yield_stress=5e6,  # 2-10 MPa [M]
     friction=0.636,  # as cortical bone [chosen: no data]
+    tensile_strength=5e6,  # 2-10 MPa [M]
     fracture_energy=0.5e3,  # 0.3-1 kJ/m² [M]
     softening_stress=5e6,  # the yield stress
-    tensile_strength=5e6,  # 2-10 MPa [M]
     opening_damage=1.0,  # what opens is cracked
 )
 
 MARROW = Material(
+    name="marrow",
     density=980.0,  # [M]
     bulk_modulus=2.0e9,  # [M]
-    shear_modulus=0.2e6,  # E about 0 [M]; not 0, so that it flows with a limit [chosen]
     tait_exponent=7.0,  # as muscle [chosen: mostly liquid]
-    yield_stress=0.01e6,  # strength about 0 [M]
-    rate_reference=3e2,  # as muscle [chosen: no data]
+    volume_averaging=True,
+    pressure_cutoff=0.1e6,  # as fat [chosen]
+    shear_modulus=0.2e6,  # E about 0 [M]; not 0, so that it flows with a limit [chosen]
+    yield_stress=0.002e6,  # strength about 0 [M]
+    rate_reference=3.0,  # 1/s, as muscle [chosen: no data]
     rate_exponent=0.36,  # as muscle [chosen: no data]
     damage_start=0.4,  # as fat [chosen: no data]
     fracture_energy=0.04e3,  # as fat, in proportion to the yield stress [chosen]
     softening_stress=0.07e6,  # yield stress at 4e4 /s [D]
-    pressure_cutoff=0.1e6,  # as fat [chosen]
 )
+
+COPPER = replace(
+    von_mises(8930.0, 117e9, 0.35, 400e6, 100e6),  # PHYSICS M6 [M: Kamoulakos; Zhu & Cescotto]
+    name="copper",
+)
+
+MATERIALS: Mapping[str, Material] = MappingProxyType(
+    {
+        row.name: row
+        for row in (
+            *(SKIN, FAT, MUSCLE, ARTERY, CORTICAL_BONE, CANCELLOUS_BONE, MARROW),
+            *(GELATIN_10, GELATIN_20, COPPER),
+        )
+    }
+)
+"""Every material that a case may name."""
 
 TISSUE_MATERIALS: Mapping[Tissue, Material] = {
     Tissue.SKIN: SKIN,
@@ -186,8 +204,19 @@ TISSUE_MATERIALS: Mapping[Tissue, Material] = {
 }
 
 
+def material(name: str) -> Material:
+    """The material of that name in `MATERIALS`; `ScenarioError` with the nearest name otherwise."""
+    if name in MATERIALS:
+        return MATERIALS[name]
+    near = difflib.get_close_matches(name.lower().replace(" ", "_"), MATERIALS, n=1, cutoff=0.5)
+    hint = f"Did you mean {near[0]!r}? " if near else ""
+    raise ScenarioError(
+        "material", f"{name!r} is not known", f"{hint}Known: {', '.join(MATERIALS)}."
+    )
+
+
 def tissue_table(grid_spacing: float, *, bone_modulus_scale: float = 1.0) -> FloatArray:
-    """Native material rows (8, 13), indexed by `Tissue` code, for cells of `grid_spacing` [m].
+    """Native material rows (8, 20), indexed by `Tissue` code, for cells of `grid_spacing` [m].
 
     `bone_modulus_scale` multiplies the elastic moduli of cortical bone (strengths stay). The row of
     AIR, which no particle has, repeats muscle.
@@ -200,18 +229,3 @@ def tissue_table(grid_spacing: float, *, bone_modulus_scale: float = 1.0) -> Flo
         shear_modulus=bone.shear_modulus * bone_modulus_scale,
     )
     return material_table([materials[tissue] for tissue in Tissue], grid_spacing)
-
-
-def material_table(materials: list[Material], grid_spacing: float) -> FloatArray:
-    """Native rows (n, 13) of these materials for cells of `grid_spacing` [m]; at most 16."""
-    return np.array([material.row(grid_spacing) for material in materials], dtype=np.float64)
-
-
-def damage_from_plastic_strain(
-    table: FloatArray, material: np.ndarray, plastic_strain: FloatArray
-) -> FloatArray:
-    """Damage (n,) 0-1 of points with these rows of `table` and plastic strains (damage.hpp)."""
-    start = table[material, COLUMNS.index("damage_start")]
-    end = table[material, COLUMNS.index("damage_end")]
-    damage: FloatArray = np.clip((plastic_strain - start) / (end - start), 0.0, 1.0)
-    return damage

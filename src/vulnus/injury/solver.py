@@ -20,13 +20,13 @@ from vulnus.core.errors import ScenarioError, StorageError, UnstableStepError
 
 from . import _native
 from .boundaries import Boundary, add_boundary
-from .materials import damage_from_plastic_strain
 from .rigid_body import STATE_SIZE, BodyState, RigidBody, add_body
 
 Precision = Literal["float32", "float64"]
 
 # Where a quantity stands among the native fields (particle_set.hpp).
 POSITION, VELOCITY, GRADIENT, STRAIN, PLASTIC_STRAIN, OPENING = 0, 3, 6, 15, 22, 23
+DAMAGE, NETWORK_STRAIN = 24, 25
 
 FAULTS = {
     1: "a value that is not finite",
@@ -234,9 +234,9 @@ class MpmSolver:
         return self._native.values(OPENING, 1)[:, 0]
 
     @property
-    def damage(self) -> FloatArray:
+    def damage(self) -> AnyArray:
         """Damage (n,), 0 intact to 1 without strength."""
-        return damage_from_plastic_strain(self._materials, self._material, self.plastic_strain)
+        return self._native.values(DAMAGE, 1)[:, 0]
 
     @property
     def tracers(self) -> tuple[FloatArray, FloatArray]:
