@@ -8,7 +8,13 @@ from __future__ import annotations
 from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall
 from .combined_solids import Difference, FunctionSolid, HalfSpace, Intersection, Union
 from .experiment import Experiment
-from .experiment_result import ExperimentResult, Fields, SensorRecord, TissueRecord
+from .experiment_result import (
+    ExperimentResult,
+    Fields,
+    RigidBodyRecord,
+    SensorRecord,
+    TissueRecord,
+)
 from .materials import Material
 from .parameters import AimParameters, InjuryParameters, ProjectileParameters
 from .passage import shoot
@@ -56,6 +62,7 @@ __all__ = [
     "ProjectileParameters",
     "RegionSensor",
     "RigidBody",
+    "RigidBodyRecord",
     "Rod",
     "SectionSensor",
     "Sensor",

@@ -35,8 +35,8 @@ class Union(Solid):
         return min(part.thinnest for part in self.parts)
 
     def _local_distance(self, local: FloatArray) -> FloatArray:
-        distances = [part.signed_distance(local) for part in self.parts]
-        return np.minimum.reduce(distances)
+        nearest: FloatArray = np.minimum.reduce([p.signed_distance(local) for p in self.parts])
+        return nearest
 
     def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
         bounds = [part.bounds for part in self.parts]
@@ -58,8 +58,8 @@ class Intersection(Solid):
         _check_parts(self.parts)
 
     def _local_distance(self, local: FloatArray) -> FloatArray:
-        distances = [part.signed_distance(local) for part in self.parts]
-        return np.maximum.reduce(distances)
+        farthest: FloatArray = np.maximum.reduce([p.signed_distance(local) for p in self.parts])
+        return farthest
 
     def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
         bounds = [part.bounds for part in self.parts]

@@ -7,84 +7,131 @@ files hold them as they are.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.checkpoint import CheckpointData
 
+from .experiment_result import Fields, fields_from_arrays, read_fields
+from .experiment_start import StartedExperiment
 from .particle_reading import ParticleReading, TissueBody
+from .rigid_body import BodyState, RigidBody
 from .sensors import AttachedSensor
-from .solver import MpmSolver
 
-PREFIX = "record/"
+COLUMN, SNAPSHOT = "record/", "snapshot/"
 
 
 class Record:
-    """The columns of one experiment."""
+    """The columns and snapshots of one experiment."""
 
     def __init__(
         self,
+        started: StartedExperiment,
         *,
         gravity: Vector3,
-        bodies: Sequence[TissueBody],
         sensors: Mapping[str, AttachedSensor],
     ) -> None:
+        self._started = started
         self._gravity = np.asarray(gravity)
-        self._bodies = bodies
         self._sensors = sensors
-        self._columns: dict[str, list[AnyArray]] = {}
+        self._columns: dict[str, list[FloatArray]] = {}
+        self._snapshots: list[Fields] = []
 
     @property
-    def columns(self) -> dict[str, AnyArray]:
+    def columns(self) -> dict[str, FloatArray]:
         """Every column as one array, samples along the first axis."""
         return {name: np.array(rows) for name, rows in self._columns.items()}
 
     @property
-    def count(self) -> int:
-        """How many samples there are."""
-        return len(self._columns.get("time", ()))
+    def snapshots(self) -> tuple[Fields, ...]:
+        """All particles at the chosen instants."""
+        return tuple(self._snapshots)
 
-    def add(self, solver: MpmSolver, reading: ParticleReading) -> None:
-        """Write down one sample."""
-        row: dict[str, AnyArray] = {"time": np.float64(reading.time)}
-        row |= {f"energy/{name}": value for name, value in self._energies(solver, reading).items()}
-        for body in self._bodies:
-            values = _of_tissue(reading, body)
-            row |= {f"tissue/{body.name}/{name}": value for name, value in values.items()}
+    def add(self, reading: ParticleReading, *, snapshot: bool) -> None:
+        """Write down one sample, and all particles where it is a `snapshot`."""
+        row: dict[str, AnyArray | float] = {"time": reading.time}
+        for tissue in self._started.tissue:
+            row |= _below(f"tissue/{tissue.name}", _of_tissue(reading, tissue))
+        rigid_energy, work = 0.0, 0.0
+        states = self._started.solver.bodies
+        for body, state in zip(self._started.rigid, states, strict=True):
+            kinetic = kinetic_energy(body, state)
+            if body.motion == "dynamic":
+                rigid_energy += kinetic
+            else:
+                work += state.work
+            row |= _below(f"rigid/{body.name}", _of_rigid_body(state, kinetic))
+        for flight, state in zip(self._started.flights, states, strict=True):
+            row[f"rigid/{state.name}/depth"] = flight.depth(state, reading.time)
+        row |= _below("energy", self._energies(reading, rigid_energy, work))
         for name, sensor in self._sensors.items():
-            values = sensor.read(reading)
-            row |= {f"sensor/{name}/{quantity}": value for quantity, value in values.items()}
+            row |= _below(f"sensor/{name}", sensor.read(reading))
         for name, value in row.items():
             self._columns.setdefault(name, []).append(np.asarray(value, np.float64))
+        if snapshot:
+            self._snapshots.append(read_fields(reading, self._started.tissue))
 
-    def _energies(self, solver: MpmSolver, reading: ParticleReading) -> dict[str, AnyArray]:
-        stored = {"kinetic": solver.totals()["kinetic_energy"], "elastic": 0.0}
-        if hasattr(solver, "energies"):
-            stored = solver.energies()
-        height = -(reading["position"] @ self._gravity)
-        energies = {
-            "kinetic": np.float64(stored["kinetic"]),
-            "elastic": np.float64(stored["elastic"]),
-            "gravity": np.float64(reading.mass @ height),
+    def _energies(self, reading: ParticleReading, rigid: float, work: float) -> Mapping[str, float]:
+        stored = {"kinetic": self._started.solver.totals()["kinetic_energy"], "elastic": 0.0}
+        if hasattr(self._started.solver, "energies"):
+            stored = self._started.solver.energies()
+        gravity = float(-reading.mass @ (reading["position"] @ self._gravity))
+        kept = {
+            "kinetic": stored["kinetic"],
+            "elastic": stored["elastic"],
+            "gravity": gravity,
+            "rigid": rigid,
         }
-        return energies | {"total": np.sum(list(energies.values()))}
+        return {**kept, "total": sum(kept.values()), "work": work}
 
     def state(self) -> CheckpointData:
-        """The columns for a checkpoint."""
-        return {PREFIX + name: values for name, values in self.columns.items()}
+        """Columns and snapshots for a checkpoint."""
+        data = {COLUMN + name: values for name, values in self.columns.items()}
+        for index, fields in enumerate(self._snapshots):
+            data |= {f"{SNAPSHOT}{index}/{name}": a for name, a in fields.arrays().items()}
+        return data
 
     def restore(self, data: CheckpointData) -> None:
-        """Go on with the columns of a checkpoint."""
+        """Go on with the columns and snapshots of a checkpoint."""
         self._columns = {
-            name.removeprefix(PREFIX): list(np.asarray(values))
+            name.removeprefix(COLUMN): list(np.asarray(values, np.float64))
             for name, values in data.items()
-            if name.startswith(PREFIX)
+            if name.startswith(COLUMN)
         }
+        parts: dict[int, dict[str, AnyArray]] = {}
+        for name, values in data.items():
+            if name.startswith(SNAPSHOT):
+                _, index, key = name.split("/")
+                parts.setdefault(int(index), {})[key] = np.asarray(values)
+        names = tuple(body.name for body in self._started.tissue)
+        self._snapshots = [fields_from_arrays(parts[index], names) for index in sorted(parts)]
 
 
-def _of_tissue(reading: ParticleReading, body: TissueBody) -> dict[str, AnyArray]:
+def kinetic_energy(body: RigidBody, state: BodyState) -> float:
+    """Of translation and rotation [J]; NaN for a body without mass."""
+    if body.mass is None:
+        return float("nan")
+    spin = state.rotation.T @ state.angular_velocity
+    translation = 0.5 * body.mass * float(state.velocity @ state.velocity)
+    return translation + 0.5 * float(spin @ body.inertia @ spin)
+
+
+def _of_rigid_body(state: BodyState, kinetic: float) -> dict[str, AnyArray | float]:
+    return {
+        "position": state.position,
+        "velocity": state.velocity,
+        "rotation": state.rotation,
+        "angular_velocity": state.angular_velocity,
+        "impulse": state.impulse,
+        "normal_impulse": state.normal_impulse,
+        "work": state.work,
+        "kinetic_energy": kinetic,
+    }
+
+
+def _of_tissue(reading: ParticleReading, body: TissueBody) -> dict[str, AnyArray | float]:
     """Totals of one body of tissue."""
     part = body.particles
     mass, velocity = reading.mass[part], reading["velocity"][part]
@@ -92,10 +139,16 @@ def _of_tissue(reading: ParticleReading, body: TissueBody) -> dict[str, AnyArray
     total = float(mass.sum())
     momentum = mass @ velocity
     return {
-        "mass": np.float64(total),
+        "mass": total,
         "centre_of_mass": mass @ position / total,
         "momentum": momentum,
         "velocity": momentum / total,
         "angular_momentum": mass @ np.cross(position, velocity),
-        "kinetic_energy": np.float64(0.5 * mass @ np.einsum("ij,ij->i", velocity, velocity)),
+        "kinetic_energy": float(0.5 * mass @ np.einsum("ij,ij->i", velocity, velocity)),
     }
+
+
+def _below(
+    prefix: str, values: Mapping[str, AnyArray | float] | Mapping[str, float]
+) -> dict[str, AnyArray | float]:
+    return {f"{prefix}/{name}": value for name, value in values.items()}

@@ -74,10 +74,13 @@ class Fields:
         arrays = {name: getattr(self, name)[chosen] for name in _ARRAYS}
         return Fields(time=self.time, body_names=self.body_names, **arrays)
 
+    def arrays(self) -> dict[str, AnyArray]:
+        """All arrays and the time by name."""
+        return {"time": np.array(self.time), **{name: getattr(self, name) for name in _ARRAYS}}
+
     def save(self, path: str | Path) -> Path:
         """Write all arrays to a NumPy .npz file; `np.load(path)["pressure"]` reads one."""
-        arrays = {name: getattr(self, name) for name in _ARRAYS}
-        return _write_arrays(Path(path), {"time": np.float64(self.time), **arrays})
+        return _write_arrays(Path(path), self.arrays())
 
     def frame(self, index: int = 0) -> ParticleFrame:
         """The particles for `vulnus.storage.FrameSeries`, which writes VTKHDF for ParaView."""
@@ -110,6 +113,47 @@ class TissueRecord:
     velocity: FloatArray
     angular_momentum: FloatArray
     kinetic_energy: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RigidBodyRecord:
+    """A rigid body, samples along the first axis of every array.
+
+    `position` (m, 3) [m] of its centre of mass; `velocity` (m, 3) [m/s]; `rotation` (m, 3, 3) from
+    its own axes to the world's; `angular_velocity` (m, 3) [rad/s]; `impulse` (m, 3) [N s] that the
+    tissue has given it; `normal_impulse` (m,) [N s], the sum of the sizes of its normal parts;
+    `work` (m,) [J] that it has done on the tissue; `kinetic_energy` (m,) [J], NaN without a mass;
+    `depth` (m,) [m] of its foremost point behind the surface it was aimed at, along the direction
+    of the start: negative before contact, NaN where its line meets no tissue.
+    """
+
+    name: str
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    rotation: FloatArray
+    angular_velocity: FloatArray
+    impulse: FloatArray
+    normal_impulse: FloatArray
+    work: FloatArray
+    kinetic_energy: FloatArray
+    depth: FloatArray
+
+    @property
+    def speed(self) -> FloatArray:
+        """Speed (m,) [m/s] of the centre of mass."""
+        speed: FloatArray = np.linalg.norm(self.velocity, axis=1)
+        return speed
+
+    @property
+    def residual_speed(self) -> float:
+        """Speed [m/s] at the last sample."""
+        return float(self.speed[-1])
+
+    @property
+    def greatest_depth(self) -> float:
+        """Greatest `depth` [m] of all samples: the depth of penetration of what stopped inside."""
+        return float(np.max(self.depth))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,10 +190,12 @@ class ExperimentResult:
 
     @property
     def energies(self) -> Mapping[str, FloatArray]:
-        """Energies (m,) [J]: kinetic, elastic and gravity of the tissue, rigid, and their total.
+        """Energies (m,) [J] by name.
 
-        What plastic flow, damage, friction and the scheme itself have turned into heat is missing
-        from the total.
+        "kinetic" and "elastic" of the tissue, "gravity" its potential energy, "rigid" the kinetic
+        energy of the dynamic rigid bodies, "total" the sum of these four; "work" is what kinematic
+        and guided bodies have put in. What plastic flow, damage, friction and the scheme itself
+        have turned into heat is missing from the total.
         """
         return self._below("energy")
 
@@ -157,12 +203,18 @@ class ExperimentResult:
     def momentum(self) -> FloatArray:
         """Momentum (m, 3) [kg m/s] of all tissue."""
         found = [self._below(f"tissue/{name}")["momentum"] for name in self.body_names]
-        return np.sum(found, axis=0)
+        total: FloatArray = np.sum(found, axis=0)
+        return total
 
     @property
     def body_names(self) -> tuple[str, ...]:
         """Names of the bodies of tissue."""
         return self.final.body_names
+
+    @property
+    def rigid_body_names(self) -> tuple[str, ...]:
+        """Names of the rigid bodies."""
+        return self._names("rigid")
 
     @property
     def sensor_names(self) -> tuple[str, ...]:
@@ -174,6 +226,11 @@ class ExperimentResult:
         columns = dict(self._below(f"tissue/{one_of('body', name, self.body_names)}"))
         mass = float(columns.pop("mass")[0])
         return TissueRecord(name=name, time=self.time, mass=mass, **columns)
+
+    def rigid_body(self, name: str) -> RigidBodyRecord:
+        """A rigid body: its motion, its depth, and what it gave the tissue."""
+        columns = self._below(f"rigid/{one_of('rigid body', name, self.rigid_body_names)}")
+        return RigidBodyRecord(name=name, time=self.time, **columns)
 
     def sensor(self, name: str) -> SensorRecord:
         """What the sensor of this name saw."""
@@ -222,8 +279,14 @@ def read_fields(reading: ParticleReading, bodies: tuple[TissueBody, ...]) -> Fie
     )
 
 
+def fields_from_arrays(arrays: Mapping[str, AnyArray], body_names: tuple[str, ...]) -> Fields:
+    """What `Fields.arrays` gave, as fields again."""
+    rest = {name: np.asarray(arrays[name]) for name in _ARRAYS}
+    return Fields(time=float(arrays["time"]), body_names=body_names, **rest)
+
+
 def _write_arrays(path: Path, arrays: Mapping[str, AnyArray]) -> Path:
     if path.suffix != ".npz":
         raise ScenarioError("path", f"{path} does not end in .npz", "Name it NAME.npz.")
-    np.savez_compressed(path, **arrays)
+    np.savez_compressed(path, **dict(arrays))  # type: ignore[arg-type]
     return path

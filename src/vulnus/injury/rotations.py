@@ -9,7 +9,7 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from .checked_values import finite, unit_vector
+from .checked_values import finite, one_of, unit_vector
 
 Axis = Literal["x", "y", "z"] | Vector3
 """The name of a coordinate axis, or any vector along the wanted one."""
@@ -20,7 +20,8 @@ ORTHONORMAL_WITHIN = 1e-9  # [chosen: far above round-off, far below an angle th
 
 def axis_vector(name: str, axis: Axis) -> FloatArray:
     """Unit vector (3,) of an axis given by its name or by any vector along it."""
-    return np.asarray(unit_vector(name, UNIT_AXES.get(axis, axis) if _is_name(axis) else axis))
+    given = UNIT_AXES[one_of(name, axis, UNIT_AXES)] if isinstance(axis, str) else axis
+    return np.array(unit_vector(name, given), dtype=np.float64)
 
 
 def axis_frame(axis: Axis) -> FloatArray:
@@ -63,7 +64,3 @@ def rotation_matrix(rotation: AnyArray | Any) -> FloatArray:
             "Use rotation_about(axis, angle) or a scipy Rotation.",
         )
     return matrix
-
-
-def _is_name(axis: Axis) -> bool:
-    return isinstance(axis, str)

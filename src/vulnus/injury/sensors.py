@@ -169,7 +169,7 @@ class _AttachedSection(AttachedSensor):
         stress = weighted_mean(reading["stress"][chosen], present)
         area = float(present.sum()) / self._thickness
         force = np.nan_to_num(stress) @ self._normal * area
-        return {"force": force, "area": np.float64(area), "stress": stress}
+        return {"force": force, "area": np.array(area), "stress": stress}
 
 
 def weighted_mean(values: AnyArray, weight: FloatArray) -> AnyArray:

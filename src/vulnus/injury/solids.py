@@ -256,7 +256,8 @@ class Shell(Solid):
 
     def _local_distance(self, local: FloatArray) -> FloatArray:
         radius = np.linalg.norm(local, axis=1)
-        return np.maximum(radius - self.outer_radius, self.inner_radius - radius)
+        distance: FloatArray = np.maximum(radius - self.outer_radius, self.inner_radius - radius)
+        return distance
 
     def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
         return np.full(3, -self.outer_radius), np.full(3, self.outer_radius)

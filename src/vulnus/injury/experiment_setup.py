@@ -1,0 +1,247 @@
+"""The setting up of an experiment: what is added to it, piece by piece, before it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from vulnus.core.arrays import AnyArray, Vector3
+from vulnus.core.errors import ScenarioError
+from vulnus.core.handoff import LabelVolume
+
+from . import experiment_checks as checks
+from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall, WallKind
+from .checked_values import finite, not_negative, one_of, positive, vector
+from .experiment_particles import Arrangement, ParticleStore, Velocity, fill
+from .labelled_bodies import label_bodies
+from .materials import Material
+from .rigid_body import RigidBody
+from .rotations import Axis, axis_vector
+from .sensors import Sensor
+from .solids import Solid, triple
+from .solver import Precision
+
+UNBOUNDED = 1e30
+"""A place [m] that nothing reaches."""
+
+
+class ExperimentSetup:
+    """What an experiment consists of; see `Experiment`."""
+
+    def __init__(
+        self,
+        *,
+        grid_spacing: float,
+        gravity: Vector3 = (0.0, 0.0, 0.0),
+        courant_number: float = 0.4,
+        precision: Precision = "float32",
+        threads: int = 0,
+        lower: Vector3 | None = None,
+        upper: Vector3 | None = None,
+        grid_offset: Vector3 = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.grid_spacing = positive("grid_spacing", grid_spacing)
+        self.gravity = vector("gravity", gravity)
+        self.courant_number = checks.courant_number(courant_number)
+        one_of("precision", precision, ("float32", "float64"))
+        self.precision: Precision = precision
+        self.threads = int(not_negative("threads", threads))
+        self._box = checks.given_box(lower, upper)
+        self._grid_offset = vector("grid_offset", grid_offset)
+        self._store = ParticleStore()
+        self._boundaries: list[Boundary] = []
+        self._rigid: dict[str, RigidBody] = {}
+        self._sensors: dict[str, Sensor] = {}
+        self._begun = False
+
+    def add_body(
+        self,
+        solid: Solid,
+        *,
+        material: str | Material,
+        velocity: Velocity = (0.0, 0.0, 0.0),
+        particles_per_cell: float = 8,
+        arrangement: Arrangement = "lattice",
+        rotation: AnyArray | None = None,
+        seed: int = 0,
+        name: str | None = None,
+    ) -> str:
+        """Fill a solid with particles of a material; returns the body's name.
+
+        `material` is a name in `MATERIALS` or a `Material`; `velocity` [m/s] one vector, an array
+        (n, 3), or a function of the positions (n, 3) [m]; `arrangement` "lattice" (along the
+        solid's axes) or "poisson" (random, from `seed`); `rotation` turns the solid about its
+        centre first. The particles' volumes add up to the solid's. Bodies must not overlap; those
+        that touch share the grid and so stick together without friction or gap.
+        """
+        self._refuse_after_start("add_body")
+        if not isinstance(solid, Solid):
+            raise ScenarioError("solid", f"is {solid!r}", "Give a Block, Ball, Rod or other Solid.")
+        chosen = self._store.free_name(name, "body")
+        turned = solid if rotation is None else solid.rotated(rotation)
+        filled = fill(
+            turned,
+            point_spacing=self._point_spacing(particles_per_cell),
+            arrangement=arrangement,
+            seed=seed,
+        )
+        self._store.add(
+            chosen, filled.position, filled.volume, material, velocity=velocity, solid=turned
+        )
+        return chosen
+
+    def add_points(
+        self,
+        position: AnyArray,
+        *,
+        volume: AnyArray | float,
+        material: str | Material,
+        velocity: Velocity = (0.0, 0.0, 0.0),
+        name: str | None = None,
+    ) -> str:
+        """Add a body as points (n, 3) [m] with a `volume` [m³] for each or for all; its name.
+
+        The points should lie half a grid spacing apart; farther than a whole one, and the body
+        falls to pieces.
+        """
+        self._refuse_after_start("add_points")
+        chosen = self._store.free_name(name, "points")
+        self._store.add(chosen, position, volume, material, velocity=velocity)
+        return chosen
+
+    def add_labels(
+        self,
+        labels: LabelVolume | AnyArray,
+        *,
+        materials: Mapping[int, str | Material],
+        spacing: Vector3 | float | None = None,
+        origin: Vector3 = (0.0, 0.0, 0.0),
+        velocity: Velocity = (0.0, 0.0, 0.0),
+        particles_per_cell: float = 8,
+        names: Mapping[int, str] | None = None,
+    ) -> dict[int, str]:
+        """Fill the labels of a voxel volume, one body a label; returns label to body name.
+
+        `labels` is a `LabelVolume`, or an array (nx, ny, nz) of whole numbers whose voxel (0, 0, 0)
+        is centred at `origin` [m] and whose voxels have the edges `spacing` [m]. `materials` names
+        the material of each label to fill; other labels stay empty. A body is called by `names`,
+        else "label 3" and so on.
+        """
+        self._refuse_after_start("add_labels")
+        bodies = label_bodies(
+            labels,
+            wanted=tuple(materials),
+            spacing=spacing,
+            origin=origin,
+            point_spacing=self._point_spacing(particles_per_cell),
+        )
+        found = {}
+        for label, filled in bodies.items():
+            wish = (names or {}).get(label, f"label {label}")
+            found[label] = self._store.free_name(wish, "label")
+            self._store.add(
+                found[label], filled.position, filled.volume, materials[label], velocity=velocity
+            )
+        return found
+
+    def add_rigid_body(self, body: RigidBody) -> str:
+        """Add a rigid body: a projectile, a blade, a plate; returns its name.
+
+        Rigid bodies touch the tissue but not one another.
+        """
+        self._refuse_after_start("add_rigid_body")
+        if not isinstance(body, RigidBody):
+            raise ScenarioError("rigid body", f"is {body!r}", "Give a RigidBody(shape=..., ...).")
+        name = checks.free_name(body.name, "rigid body", self._rigid)
+        self._rigid[name] = body
+        return name
+
+    def add_wall(
+        self,
+        *,
+        point: Vector3,
+        normal: Axis,
+        kind: WallKind = "slip",
+        friction: float = 0.0,
+        velocity: Vector3 = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Add a plane through `point` [m] that acts behind it; `normal` points to the free side.
+
+        "fixed" holds the tissue at the wall's `velocity` [m/s]; "slip" only stops motion across it
+        (a plane of symmetry); "separating" lets it leave and slide with Coulomb `friction` while it
+        presses. Nodes on the plane and behind it are held, so put it on a node, at a whole multiple
+        of `grid_spacing`. The wall moves along with its velocity.
+        """
+        self._refuse_after_start("add_wall")
+        one_of("kind", kind, ("fixed", "slip", "separating"))
+        self._boundaries.append(
+            Wall(
+                point=vector("point", point),
+                normal=triple(axis_vector("normal", normal)),
+                kind=kind,
+                friction=not_negative("friction", friction),
+                velocity=vector("velocity", velocity),
+            )
+        )
+
+    def hold_ends(self, *, axis: Axis, lower: float = -UNBOUNDED, upper: float = UNBOUNDED) -> None:
+        """Hold the grid where x·`axis` is at most `lower` or at least `upper` [m]."""
+        self._refuse_after_start("hold_ends")
+        self._boundaries.append(HeldEnds(**_ends(axis, lower, upper)))
+
+    def absorb_ends(
+        self,
+        *,
+        axis: Axis,
+        thickness: float,
+        lower: float = -UNBOUNDED,
+        upper: float = UNBOUNDED,
+    ) -> None:
+        """As `hold_ends`, with a sponge of `thickness` [m] before each end in which waves die.
+
+        About ten cells absorb waves as long as the sponge is thick.
+        """
+        self._refuse_after_start("absorb_ends")
+        self._boundaries.append(
+            AbsorbingEnds(**_ends(axis, lower, upper), thickness=positive("thickness", thickness))
+        )
+
+    def add_sensor(self, sensor: Sensor) -> str:
+        """Look at something at every sample; returns the sensor's name."""
+        self._refuse_after_start("add_sensor")
+        if not isinstance(sensor, Sensor):
+            raise ScenarioError("sensor", f"is {sensor!r}", "Give a PointSensor(position=...).")
+        name = checks.free_name(sensor.name, "sensor", self._sensors)
+        self._sensors[name] = sensor
+        return name
+
+    @property
+    def particle_count(self) -> int:
+        """How many particles there are."""
+        return self._store.count
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of the bodies of tissue."""
+        return tuple(body.name for body in self._store.bodies)
+
+    def _point_spacing(self, particles_per_cell: float) -> float:
+        per_cell = positive("particles_per_cell", particles_per_cell)
+        if not 1.0 <= per_cell <= 1000.0:
+            raise ScenarioError(
+                "particles_per_cell", f"is {per_cell:g}, must be 1 to 1000", "Use 8, or 27."
+            )
+        return self.grid_spacing / float(per_cell ** (1.0 / 3.0))
+
+    def _refuse_after_start(self, what: str) -> None:
+        if self._begun:
+            raise ScenarioError(
+                what, "the experiment has begun", "Add everything first, or make a new Experiment."
+            )
+
+
+def _ends(axis: Axis, lower: float, upper: float) -> dict[str, Any]:
+    low, high = finite("lower", lower), finite("upper", upper)
+    if not low < high:
+        raise ScenarioError("upper", f"is {high:g} m, must be above lower {low:g} m", "Swap them?")
+    return {"axis": triple(axis_vector("axis", axis)), "lower": low, "upper": high}

@@ -1,0 +1,150 @@
+"""An experiment at its first step: checked, placed, and put into the solver."""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vulnus.core.arrays import FloatArray, Vector3
+
+from . import experiment_checks as checks
+from .boundaries import Boundary, Wall
+from .experiment_particles import Filling, ParticleStore
+from .flight import Flight, refuse_start_inside
+from .materials import material_table
+from .particle_reading import JoinedParticles, TissueBody
+from .rigid_body import RigidBody
+from .solver import MpmSolver, Precision
+
+LEAST_PROJECTILE_CELLS = 5.0
+"""Cells across a projectile below which its depth depends on the grid (PHYSICS 1.6)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GridSettings:
+    """How an experiment is discretised; the fields are those of `Experiment`."""
+
+    grid_spacing: float
+    gravity: Vector3
+    courant_number: float
+    precision: Precision
+    box: tuple[FloatArray, FloatArray] | None
+    grid_offset: Vector3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StartedExperiment:
+    """The solver with all that is in it; `fingerprint` tells experiments apart."""
+
+    solver: MpmSolver
+    particles: JoinedParticles
+    tissue: tuple[TissueBody, ...]
+    rigid: tuple[RigidBody, ...]
+    flights: tuple[Flight, ...]
+    fingerprint: str
+
+
+def start(
+    settings: GridSettings,
+    store: ParticleStore,
+    rigid: Mapping[str, RigidBody],
+    boundaries: Sequence[Boundary],
+) -> StartedExperiment:
+    """Check what was set up and fill the solver; refuses what cannot run, with the reason."""
+    store.check()
+    for filling in store.fillings:
+        _check_resolution(filling, settings.grid_spacing, boundaries)
+    checks.bodies_apart(store.fillings)
+    particles = store.joined()
+    bodies = tuple(replace(body, name=name) for name, body in rigid.items())
+    for body in bodies:
+        refuse_start_inside(body, particles, settings.grid_spacing)
+        _warn_of_coarse_grid(body, settings.grid_spacing)
+    return StartedExperiment(
+        solver=_filled_solver(settings, store, particles, bodies, boundaries),
+        particles=particles,
+        tissue=store.bodies,
+        rigid=bodies,
+        flights=tuple(Flight(body, particles) for body in bodies),
+        fingerprint=_fingerprint(settings, store, particles, bodies, boundaries),
+    )
+
+
+def _filled_solver(
+    settings: GridSettings,
+    store: ParticleStore,
+    particles: JoinedParticles,
+    bodies: Sequence[RigidBody],
+    boundaries: Sequence[Boundary],
+) -> MpmSolver:
+    lower, upper = checks.box_around(
+        particles.position, settings.box, settings.grid_spacing, settings.grid_offset
+    )
+    solver = MpmSolver(
+        materials=material_table(store.materials, settings.grid_spacing),
+        grid_spacing=settings.grid_spacing,
+        lower=lower,
+        upper=upper,
+        courant_number=settings.courant_number,
+        gravity=settings.gravity,
+        bodies=bodies,
+        boundaries=boundaries,
+        precision=settings.precision,
+    )
+    solver.set_particles(
+        particles.position,
+        volume=particles.volume,
+        material=particles.material_row,
+        velocity=particles.velocity,
+    )
+    return solver
+
+
+def _check_resolution(
+    filling: Filling, grid_spacing: float, boundaries: Sequence[Boundary]
+) -> None:
+    """A body needs two cells across, but between two walls a slice may have one."""
+    if filling.solid is None:
+        return
+    confined = any(
+        isinstance(one, Wall) and isinstance(other, Wall)
+        and np.allclose(np.asarray(one.normal), -np.asarray(other.normal))
+        for one in boundaries
+        for other in boundaries
+    )  # fmt: skip
+    checks.body_resolved(filling.name, filling.solid, grid_spacing, confined=confined)
+
+
+def _warn_of_coarse_grid(body: RigidBody, grid_spacing: float) -> None:
+    cells = 2.0 * body.shape.inner_radius / grid_spacing
+    if cells < LEAST_PROJECTILE_CELLS and not body.cutting:
+        warnings.warn(
+            f"{body.name} is {cells:.1f} cells across; its depth depends on the grid below "
+            f"{LEAST_PROJECTILE_CELLS:g}: use a grid_spacing of at most "
+            f"{2.0 * body.shape.inner_radius / LEAST_PROJECTILE_CELLS:.3g} m",
+            stacklevel=5,
+        )
+
+
+def _fingerprint(
+    settings: GridSettings,
+    store: ParticleStore,
+    particles: JoinedParticles,
+    bodies: Sequence[RigidBody],
+    boundaries: Sequence[Boundary],
+) -> str:
+    """A text that differs between experiments that would run differently."""
+    digest = hashlib.sha256()
+    for array in (particles.position, particles.volume, particles.velocity):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    digest.update(particles.material_row.tobytes())
+    for body in bodies:
+        numbers = (body.name, body.place, body.velocity, body.turn.tolist(), body.mass)
+        more = (body.angular_velocity, body.motion, body.friction, body.shape.volume)
+        digest.update(repr((numbers, more)).encode())
+    digest.update(repr((settings, store.materials, list(boundaries))).encode())
+    return digest.hexdigest()
