@@ -15,7 +15,15 @@ from .experiment_result import (
     SensorRecord,
     TissueRecord,
 )
-from .materials import Material
+from .material_model import (
+    Material,
+    drucker_prager,
+    elastic,
+    liquid,
+    neo_hookean,
+    von_mises,
+)
+from .materials import MATERIALS, material
 from .parameters import AimParameters, InjuryParameters, ProjectileParameters
 from .passage import shoot
 from .rigid_body import BodyPath, BodyState, RigidBody, rotation_between
@@ -26,20 +34,8 @@ from .shot_line import aim
 from .solids import Ball, Block, Rod, Shell, Solid, Tube
 from .solver import MpmSolver
 
-try:
-    from .materials import elastic
-except ImportError:
-
-    def elastic(*, density: float, youngs_modulus: float, poisson_ratio: float) -> Material:
-        """An elastic material."""
-        return Material(
-            density=density,
-            bulk_modulus=youngs_modulus / (3.0 * (1.0 - 2.0 * poisson_ratio)),
-            shear_modulus=youngs_modulus / (2.0 * (1.0 + poisson_ratio)),
-        )
-
-
 __all__ = [
+    "MATERIALS",
     "AbsorbingEnds",
     "AimParameters",
     "Ball",
@@ -76,8 +72,13 @@ __all__ = [
     "Union",
     "Wall",
     "aim",
+    "drucker_prager",
     "elastic",
+    "liquid",
+    "material",
+    "neo_hookean",
     "rotation_about",
     "rotation_between",
     "shoot",
+    "von_mises",
 ]

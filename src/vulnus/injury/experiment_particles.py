@@ -11,29 +11,17 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from . import materials as _materials
 from .checked_values import one_of, points
 from .experiment_checks import free_name
-from .materials import Material
+from .material_model import CAPACITY, Material
+from .materials import MATERIALS
+from .materials import material as named_material
 from .particle_reading import JoinedParticles, TissueBody
 from .solids import FilledPoints, Solid
 
 Arrangement = Literal["lattice", "poisson"]
 Velocity = Vector3 | AnyArray | Callable[[FloatArray], AnyArray]
 """One velocity [m/s] for all, one for each particle (n, 3), or a function of positions (n, 3)."""
-
-MATERIALS = {
-    name.lower(): value for name, value in vars(_materials).items() if isinstance(value, Material)
-}
-
-
-def named_material(name: str) -> Material:
-    """The material of this name."""
-    return MATERIALS[one_of("material", name, MATERIALS)]
-
-
-MATERIAL_CAPACITY = 16
-"""Materials of one experiment; `kMaterialCapacity` in material.hpp."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,10 +83,10 @@ class ParticleStore:
                 f"Give a Material or one of {', '.join(MATERIALS)}.",
             )
         if chosen not in self.materials:
-            if len(self.materials) == MATERIAL_CAPACITY:
+            if len(self.materials) == CAPACITY:
                 raise ScenarioError(
                     f"{name}: material",
-                    f"would be number {MATERIAL_CAPACITY + 1} of at most {MATERIAL_CAPACITY}",
+                    f"would be number {CAPACITY + 1} of at most {CAPACITY}",
                     "Use fewer different materials.",
                 )
             self.materials.append(chosen)
