@@ -12,7 +12,7 @@
 
 #include "bindings/injury_bodies.hpp"
 #include "injury/mpm_solver.hpp"
-#include "injury/stress_update.hpp"
+#include "injury/particle_readings.hpp"
 
 namespace nb = nanobind;
 using namespace vulnus;
@@ -65,7 +65,31 @@ template <class T>
 class Solver {
  public:
   Solver(Array2<double> materials, const SolverSettings& settings)
-      : solver_(settings, make_table<T>(materials)) {}
+      : solver_(settings, make_table<T>(materials)), table_(make_table<double>(materials)) {}
+
+  // Cauchy stress as xx yy zz xy yz zx [Pa] and volume ratio, in the particles' original order.
+  Result<T> stress() {
+    const auto& set = solver_.particles();
+    auto out = new_array<T>({std::size_t(set.count()), kReadings});
+    nb::gil_scoped_release release;
+    read_stress(set, table_, out.data());
+    return out;
+  }
+  std::array<double, 2> energies() {
+    nb::gil_scoped_release release;
+    const Energies e = sum_energies(solver_.particles(), table_);
+    return {e.kinetic, e.elastic};
+  }
+
+  // New constants; `rescale` keeps the stress as it is, otherwise the strains stay (of a saved
+  // run).
+  void set_materials(Array2<double> rows, bool rescale) {
+    const MaterialTable<double> table = make_table<double>(rows);
+    double speed = solver_.largest_sound_speed();
+    if (rescale) speed = exchange_materials(solver_.particles(), table_, table);
+    solver_.set_materials(make_table<T>(rows), speed);
+    table_ = table;
+  }
 
   void set_particles(Array2<double> position, Array2<double> velocity, Array1<double> volume,
                      Array1<std::uint8_t> material) {
@@ -181,6 +205,7 @@ class Solver {
   }
 
   MpmSolver<T> solver_;
+  MaterialTable<double> table_;
 };
 
 template <class T>
@@ -228,6 +253,9 @@ void bind_solver(nb::module_& m, const char* name) {
       .def("state_id", &S::state_id)
       .def("state_material", &S::state_material)
       .def("restore", &S::restore)
+      .def("stress", &S::stress)
+      .def("energies", &S::energies)
+      .def("set_materials", &S::set_materials, nb::arg("rows"), nb::kw_only(), nb::arg("rescale"))
       .def("totals", &S::totals, nb::kw_only(), nb::arg("grid"))
       .def("advance",
            [](S& s, int max_steps, double stop_time) {

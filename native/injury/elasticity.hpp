@@ -51,4 +51,14 @@ VULNUS_HD void hencky_kirchhoff(const Material<R>& m, const R (&strain)[3], R (&
     stress[a] = broadcast<R>(2) * m.shear_modulus * (strain[a] - mean) + volumetric;
 }
 
+// Stored energy mu |dev eps|^2 and that of the volume [J/m^3, undeformed].
+template <class R>
+VULNUS_HD R hencky_energy(const Material<R>& m, const R (&strain)[3]) {
+  const R trace = strain[0] + strain[1] + strain[2];
+  const R mean = trace * broadcast<R>(1.0 / 3.0);
+  R shear{};
+  for (int a = 0; a < 3; ++a) shear += (strain[a] - mean) * (strain[a] - mean);
+  return m.shear_modulus * shear + volumetric_energy(m, trace);
+}
+
 }  // namespace vulnus::injury

@@ -17,6 +17,24 @@ VULNUS_HD R volumetric_kirchhoff(const Material<R>& m, R trace) {
   return select(linear, m.bulk_modulus * trace, curved);
 }
 
+// (exp(x t) - 1) / x, t where x is 0.
+template <class R>
+VULNUS_HD R exponential_growth(R x, R t) {
+  const auto none = x == R{};
+  return select(none, t, exp_minus_one(x * t) / select(none, broadcast<R>(1), x));
+}
+
+// Stored energy [J/m^3, undeformed]: the integral of the Kirchhoff pressure part over t.
+template <class R>
+VULNUS_HD R volumetric_energy(const Material<R>& m, R trace) {
+  const auto linear = m.volume_exponent <= R{};
+  const R n = select(linear, broadcast<R>(1), m.volume_exponent);
+  const R a = m.volume_growth;
+  const R curved = exponential_growth(a, trace) - exponential_growth(a - m.volume_exponent, trace);
+  const R square = broadcast<R>(0.5) * m.bulk_modulus * trace * trace;
+  return select(linear, square, m.bulk_modulus / n * curved);
+}
+
 // Slope d(-J p)/dt over K, or the larger J^-n of strong compression: stiffer than either.
 template <class R>
 VULNUS_HD R volumetric_stiffening(const Material<R>& m, R trace) {

@@ -52,6 +52,11 @@ class MpmSolver {
   std::vector<RigidBody>& bodies() { return bodies_; }
   std::vector<HalfSpace>& boundaries() { return boundaries_; }
   const SolverSettings& settings() const { return settings_; }
+  // New constants for the next step; the largest wave speed goes with them.
+  void set_materials(const MaterialTable<T>& materials, double sound_speed) {
+    materials_ = materials;
+    sound_speed_ = sound_speed;
+  }
 
   // Takes at most max_steps steps, not past stop_time; returns how many.
   int advance(int max_steps, double stop_time);

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "injury/damage.hpp"
+#include "injury/equation_of_state.hpp"
 
 namespace vulnus::injury {
 
@@ -35,6 +36,15 @@ VULNUS_HD R network_modulus(const Material<R>& m, R excess) {
   const R limit = broadcast<R>(3) * m.break_start * m.break_start;
   const R exponent = m.network_stiffening * minimum(excess, limit);
   return m.network_modulus * (exp_minus_one(exponent) + broadcast<R>(1));
+}
+
+// W [J/m^3, undeformed] of the sound network; straight in I beyond failure.
+template <class R>
+VULNUS_HD R network_energy(const Material<R>& m, R excess) {
+  const R limit = broadcast<R>(3) * m.break_start * m.break_start;
+  const R curved = minimum(excess, limit);
+  const R energy = exponential_growth(m.network_stiffening, curved) * m.network_modulus;
+  return broadcast<R>(0.5) * (energy + network_modulus(m, excess) * (excess - curved));
 }
 
 // 1 - D = (e_0 / e) (1 - (e - e_0) / (e_1 - e_0)): the stress 3 mu e (1 - D) is linear in e.

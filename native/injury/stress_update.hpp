@@ -25,6 +25,13 @@ VULNUS_HD void principal_hencky(const Eigen3<R>& e, R (&hencky)[3]) {
   }
 }
 
+// rho c^2 of the fastest wave [Pa]; `modulus` is the network's.
+template <class R>
+VULNUS_HD R point_stiffness(const Material<R>& m, R trace, R excess, R modulus) {
+  return m.bulk_modulus * volumetric_stiffening(m, trace) +
+         broadcast<R>(4.0 / 3.0) * m.shear_modulus + network_stiffness(m, excess, modulus);
+}
+
 // Kirchhoff stress of a point that has not moved since its last return.
 template <class R>
 VULNUS_HD Symmetric3<R> resting_kirchhoff(const Material<R>& m, const PointState<R>& point) {

@@ -20,6 +20,7 @@ from vulnus.core.errors import ScenarioError, StorageError, UnstableStepError
 
 from . import _native
 from .boundaries import Boundary, add_boundary
+from .material_model import COLUMNS
 from .rigid_body import STATE_SIZE, BodyState, RigidBody, add_body
 
 Precision = Literal["float32", "float64"]
@@ -27,6 +28,11 @@ Precision = Literal["float32", "float64"]
 # Where a quantity stands among the native fields (particle_set.hpp).
 POSITION, VELOCITY, GRADIENT, STRAIN, PLASTIC_STRAIN, OPENING = 0, 3, 6, 15, 22, 23
 DAMAGE, NETWORK_STRAIN = 24, 25
+# xx yy zz xy yz zx as a matrix.
+FULL_TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+
+FIXED_CONSTANTS = ("density", "network_modulus", "network_stiffening")
+"""What `MpmSolver.change_materials` must leave alone."""
 
 FAULTS = {
     1: "a value that is not finite",
@@ -239,6 +245,52 @@ class MpmSolver:
         return self._native.values(DAMAGE, 1)[:, 0]
 
     @property
+    def stress(self) -> AnyArray:
+        """Cauchy stress (n, 3, 3) [Pa], tension positive."""
+        return self._native.stress()[:, FULL_TENSOR]
+
+    @property
+    def pressure(self) -> AnyArray:
+        """Mean of the compressive stresses (n,) [Pa], -tr(stress)/3."""
+        pressure: AnyArray = -np.mean(self._native.stress()[:, :3], axis=1)
+        return pressure
+
+    @property
+    def volume_ratio(self) -> AnyArray:
+        """Volume over undeformed volume J (n,), with open voids and cracks."""
+        return self._native.stress()[:, 6]
+
+    def energies(self) -> dict[str, float]:
+        """Energy [J] of the particles: `kinetic` of their motion, `elastic` stored as strain."""
+        kinetic, elastic = self._native.energies()
+        return {"kinetic": kinetic, "elastic": elastic}
+
+    def change_materials(self, materials: FloatArray) -> None:
+        """Go on with other constants (`materials.slowed`) under unchanged stress.
+
+        Elastic strains are rescaled so that the Kirchhoff stress of every particle stays; the
+        volume ratio changes with the bulk modulus. Densities and networks must stay as they are.
+        """
+        if not self.synchronized:
+            raise ScenarioError(
+                "materials", "changed in the middle of an epoch", "Change them after `advance(t)`."
+            )
+        rows = np.ascontiguousarray(materials, dtype=np.float64)
+        fixed = [i for i, name in enumerate(COLUMNS) if name in FIXED_CONSTANTS]
+        if rows.shape != self._materials.shape:
+            raise ScenarioError(
+                "materials",
+                f"have shape {rows.shape}, must have {self._materials.shape}",
+                "Give one new row for every row of the table.",
+            )
+        if not np.array_equal(rows[:, fixed], self._materials[:, fixed]):
+            raise ScenarioError(
+                "materials", "change a density or a network", "Change moduli and strengths only."
+            )
+        self._native.set_materials(rows, rescale=True)
+        self._materials = rows
+
+    @property
     def tracers(self) -> tuple[FloatArray, FloatArray]:
         """Tracer positions (n, 3) [m] and their smallest distance (n,) [m] to any body so far."""
         state = self._native.tracer_state()
@@ -274,6 +326,7 @@ class MpmSolver:
             "material": self._native.state_material(),
             "tracers": self._native.tracer_state(),
             "bodies": self._native.body_state(),
+            "materials": self._materials,
             "time": self._native.time,
             "steps": self._native.steps,
             "sound_speed": self._native.sound_speed,
@@ -295,6 +348,8 @@ class MpmSolver:
                 f"holds {len(bodies)} bodies, the case {len(self._body_names)}",
                 "Start the run anew without --resume.",
             )
+        self._materials = np.ascontiguousarray(state["materials"], dtype=np.float64)
+        self._native.set_materials(self._materials, rescale=False)
         self._native.set_body_state(bodies)
         self._native.restore(
             np.ascontiguousarray(fields),
