@@ -6,22 +6,17 @@ The origin of a body's frame is the centre of mass; the long axis is +x with the
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from vulnus.core.arrays import Float32Array, FloatArray
+from vulnus.core.arrays import FloatArray
 from vulnus.core.errors import ScenarioError
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SignedDistance:
-    """Signed distance [m], negative inside, at `lower` [m] + `spacing` [m] · (i, j, k)."""
-
-    values: Float32Array
-    lower: FloatArray
-    spacing: float
+from .signed_distance import SignedDistance, SolidProperties, solid_properties
 
 
 class Shape(Protocol):
@@ -49,7 +44,7 @@ class Shape(Protocol):
 
     @property
     def distance(self) -> SignedDistance | None:
-        """The sampled distance; None for a sphere."""
+        """The sampled distance in the body's frame; None for a sphere."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +83,58 @@ class Sphere:
     def inner_radius(self) -> float:
         """Radius [m]."""
         return self.radius
+
+
+class SampledShape(ABC):
+    """A shape whose distance is sampled once; volume and inertia are sums over the samples."""
+
+    @abstractmethod
+    def drawn(self) -> SignedDistance:
+        """The sampled distance in the frame in which the shape is drawn."""
+
+    @abstractmethod
+    def drawn_box(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper corner (3,) [m] of the box around it, in the frame of drawing."""
+
+    @cached_property
+    def _sampled(self) -> tuple[SignedDistance, SolidProperties]:
+        drawn = self.drawn()
+        return drawn, solid_properties(drawn)
+
+    @property
+    def centre_of_mass(self) -> FloatArray:
+        """Centre of mass (3,) [m] in the frame in which the shape is drawn."""
+        return self._sampled[1].centre
+
+    @property
+    def volume(self) -> float:
+        """Volume [m³]."""
+        return self._sampled[1].volume
+
+    @property
+    def unit_inertia(self) -> FloatArray:
+        """Inertia tensor (3, 3) [m⁵] about the centre of mass, for unit density."""
+        return self._sampled[1].inertia
+
+    @property
+    def lower(self) -> FloatArray:
+        """Lower corner (3,) [m] of the box around the shape, from the centre of mass."""
+        return self.drawn_box()[0] - self.centre_of_mass
+
+    @property
+    def upper(self) -> FloatArray:
+        """Upper corner (3,) [m] of the box around the shape, from the centre of mass."""
+        return self.drawn_box()[1] - self.centre_of_mass
+
+    @cached_property
+    def inner_radius(self) -> float:
+        """Radius [m] of the largest ball inside."""
+        return -float(self._sampled[0].values.min())
+
+    @cached_property
+    def distance(self) -> SignedDistance:
+        """The sampled distance in the body's frame."""
+        return self._sampled[0].moved(self.centre_of_mass)
 
 
 def require_positive(name: str, *values: float) -> None:
