@@ -5,8 +5,10 @@
 
 from __future__ import annotations
 
+from .attitude import attitude
 from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall
 from .combined_solids import Difference, FunctionSolid, HalfSpace, Intersection, Union
+from .drawn_shapes import BladeShape, Box, Cylinder, Ogive
 from .experiment import Experiment
 from .experiment_result import (
     ExperimentResult,
@@ -24,9 +26,11 @@ from .material_model import (
     von_mises,
 )
 from .materials import MATERIALS, material
+from .mesh_shape import MeshShape
 from .parameters import AimParameters, InjuryParameters, ProjectileParameters
 from .passage import shoot
-from .rigid_body import BodyPath, BodyState, RigidBody, rotation_between
+from .projectiles import PROJECTILES, Projectile, projectile
+from .rigid_body import BodyPath, BodyState, RigidBody
 from .rotations import rotation_about
 from .sensors import PointSensor, RegionSensor, SectionSensor, Sensor
 from .shapes import Shape, Sphere
@@ -36,13 +40,17 @@ from .solver import MpmSolver
 
 __all__ = [
     "MATERIALS",
+    "PROJECTILES",
     "AbsorbingEnds",
     "AimParameters",
     "Ball",
+    "BladeShape",
     "Block",
     "BodyPath",
     "BodyState",
     "Boundary",
+    "Box",
+    "Cylinder",
     "Difference",
     "Experiment",
     "ExperimentResult",
@@ -53,8 +61,11 @@ __all__ = [
     "InjuryParameters",
     "Intersection",
     "Material",
+    "MeshShape",
     "MpmSolver",
+    "Ogive",
     "PointSensor",
+    "Projectile",
     "ProjectileParameters",
     "RegionSensor",
     "RigidBody",
@@ -72,13 +83,14 @@ __all__ = [
     "Union",
     "Wall",
     "aim",
+    "attitude",
     "drucker_prager",
     "elastic",
     "liquid",
     "material",
     "neo_hookean",
+    "projectile",
     "rotation_about",
-    "rotation_between",
     "shoot",
     "von_mises",
 ]

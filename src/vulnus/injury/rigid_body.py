@@ -135,7 +135,9 @@ class RigidBody:
         turn = self.turn
         if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-6):
             raise ScenarioError(
-                f"{self.name} rotation", "is not a rotation matrix", "Use rotation_between()."
+                f"{self.name} rotation",
+                "is not a rotation matrix",
+                "Use attitude().",
             )
         if np.linalg.det(turn) < 0.0:
             raise ScenarioError(f"{self.name} rotation", "is a reflection", "Flip one axis.")
@@ -246,23 +248,6 @@ def _native_shape(shape: Shape) -> _native.BodyShape:
         upper=_triple(shape.upper),
         inner_radius=shape.inner_radius,
     )
-
-
-def rotation_between(nose: Vector3, *, roll: float = 0.0) -> FloatArray:
-    """Rotation (3, 3) that turns the body's +x into the direction `nose`, after a `roll` [rad]."""
-    from scipy.spatial.transform import Rotation
-
-    target = np.asarray(nose, np.float64)
-    length = float(np.linalg.norm(target))
-    if not length > 0.0:
-        raise ScenarioError("direction", "has no length", "Give a direction (x, y, z).")
-    target = target / length
-    axis = np.cross((1.0, 0.0, 0.0), target)
-    size = float(np.linalg.norm(axis))
-    angle = math.atan2(size, float(target[0]))
-    axis = axis / size if size > 1e-12 else np.array([0.0, 0.0, 1.0])
-    turn = Rotation.from_rotvec(angle * axis) * Rotation.from_rotvec([roll, 0.0, 0.0])
-    return np.asarray(turn.as_matrix(), np.float64)
 
 
 def orientation_of(rotation: FloatArray) -> FloatArray:
