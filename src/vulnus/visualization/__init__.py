@@ -5,6 +5,7 @@
 
 from .draw import Drawn, RunToDraw, draw_all
 from .frames import Frames, FramesOnDemand
+from .injury_gallery import draw_injury_gallery
 from .parameters import (
     BloodSurfaceParameters,
     FilmParameters,
@@ -24,4 +25,5 @@ __all__ = [
     "VisualizationParameters",
     "blood_surface",
     "draw_all",
+    "draw_injury_gallery",
 ]

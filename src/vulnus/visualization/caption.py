@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 _INK = 0.025  # linear light of the letters: nearly black
 _MARGIN = 0.022  # of the picture's height
+_LETTER = 0.032  # of the picture's height; chosen: read at half the size
 
-Corner = Literal["top_left", "bottom_left", "bottom_right"]
+Corner = Literal["top_left", "top_right", "bottom_left", "bottom_right"]
 
 
 @functools.cache
@@ -29,12 +30,17 @@ def typeface(size: int) -> FreeTypeFont:
     return ImageFont.truetype(f"{get_data_path()}/fonts/ttf/DejaVuSans.ttf", size)
 
 
-def write_text(picture: FloatArray, text: str, corner: Corner = "top_left") -> FloatArray:
-    """The picture (h, w, 3) in linear light with `text` in a corner."""
+def write_text(
+    picture: FloatArray, text: str, corner: Corner = "top_left", *, letter: float = _LETTER
+) -> FloatArray:
+    """The picture (h, w, 3) in linear light with `text` in a corner.
+
+    `letter` is the height of the letters as a part of the picture's.
+    """
     from PIL import Image, ImageDraw
 
     height, width = picture.shape[:2]
-    font = typeface(max(9, round(0.032 * height)))
+    font = typeface(max(9, round(letter * height)))
     mask = Image.new("L", (width, height), 0)
     draw = ImageDraw.Draw(mask)
     left, top, right, bottom = draw.multiline_textbbox((0, 0), text, font=font)
@@ -45,7 +51,9 @@ def write_text(picture: FloatArray, text: str, corner: Corner = "top_left") -> F
     return _ink(picture, np.asarray(mask, dtype=np.float64) / 255.0)
 
 
-def scale_bar(picture: FloatArray, camera: Camera, *, length: float) -> FloatArray:
+def scale_bar(
+    picture: FloatArray, camera: Camera, *, length: float, letter: float = _LETTER
+) -> FloatArray:
     """The picture with a bar as long as `length` [m] is at the camera's target, and its size."""
     right = camera.axes[0]
     ends = np.asarray(camera.target) + np.array([[0.0], [length]]) * right
@@ -53,9 +61,9 @@ def scale_bar(picture: FloatArray, camera: Camera, *, length: float) -> FloatArr
     height, width = picture.shape[:2]
     margin = max(4, round(_MARGIN * height))
     text = f"{length / MILLIMETRE:g} mm"
-    written = write_text(picture, text, "bottom_right")
+    written = write_text(picture, text, "bottom_right", letter=letter)
     mask = np.zeros((height, width))
-    lift = margin + round(0.045 * height)
+    lift = margin + round(1.4 * letter * height)
     thickness = max(2, round(0.006 * height))
     first = max(0, round(width - margin - pixels))
     mask[height - lift - thickness : height - lift, first : width - margin] = 1.0

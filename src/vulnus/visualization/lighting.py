@@ -27,9 +27,18 @@ def sky_image(top: float = 0.50, bottom: float = 0.22, rows: int = 32) -> FloatA
 
 
 def studio_lights(
-    mitsuba: Any, camera: Camera, centre: FloatArray, radius: float, up: FloatArray
+    mitsuba: Any,
+    camera: Camera,
+    centre: FloatArray,
+    radius: float,
+    up: FloatArray,
+    *,
+    lamp: float = 0.0,
 ) -> dict[str, Any]:
-    """Mitsuba's emitters around a scene of `radius` [m] about `centre` [m], with `up` upwards."""
+    """Mitsuba's emitters around a scene of `radius` [m] about `centre` [m], with `up` upwards.
+
+    `lamp` is the radiance of a lamp beside the camera, as wounds are photographed with.
+    """
     transform = mitsuba.ScalarTransform4f
     first = unit(np.cross([0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0], up))
     turn = np.eye(4)
@@ -55,4 +64,21 @@ def studio_lights(
             "to_world": pose @ transform().scale(half_size * radius),
             "emitter": {"type": "area", "radiance": {"type": "rgb", "value": list(radiance)}},
         }
+    if lamp > 0.0:
+        lights["lamp"] = _lamp(mitsuba, camera, lamp)
     return lights
+
+
+def _lamp(mitsuba: Any, camera: Camera, radiance: float) -> dict[str, Any]:
+    """A small square lamp just above the camera, that shines where it looks."""
+    transform = mitsuba.ScalarTransform4f
+    distance = float(np.linalg.norm(np.subtract(camera.origin, camera.target)))
+    origin = np.asarray(camera.origin) + 0.06 * distance * camera.axes[1]
+    pose = transform().look_at(
+        origin=origin.tolist(), target=list(camera.target), up=camera.axes[0].tolist()
+    )
+    return {
+        "type": "rectangle",
+        "to_world": pose @ transform().scale(0.05 * distance),
+        "emitter": {"type": "area", "radiance": {"type": "rgb", "value": 3 * [radiance]}},
+    }

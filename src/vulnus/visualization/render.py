@@ -70,12 +70,16 @@ class Platform:
 
 @dataclass(frozen=True, slots=True)
 class Studio:
-    """What the studio lights are built around: the scene's centre, radius [m] and up."""
+    """What the studio lights are built around: the scene's centre, radius [m] and up.
+
+    `lamp` is the radiance of a lamp beside the camera; 0: none.
+    """
 
     centre: Vector3
     radius: float
     up: Vector3
     platform: Platform | None = None
+    lamp: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +205,8 @@ class Renderer:
         mitsuba = self.mitsuba
         scene: dict[str, Any] = {"type": "scene"}
         up = unit(studio.up)
-        scene |= studio_lights(mitsuba, camera, np.asarray(studio.centre), studio.radius, up)
+        centre = np.asarray(studio.centre)
+        scene |= studio_lights(mitsuba, camera, centre, studio.radius, up, lamp=studio.lamp)
         for index, layer in enumerate(layers):
             if layer.surface.triangles.shape[0] > 0:
                 scene[f"mesh_{index}"] = self._mesh(layer)

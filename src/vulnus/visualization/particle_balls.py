@@ -1,0 +1,111 @@
+"""Points of tissue as little balls for the ray tracer, as the paper draws them (Fig. 2)."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from ..core.arrays import AnyArray, BoolArray, Float32Array, FloatArray, IntArray, LabelArray
+from ..core.handoff import Tissue, TriangleSurface
+from .surface import TissuePoints
+
+FIGURE_2_LIGHT: dict[Tissue, tuple[float, float, float]] = {
+    Tissue.SKIN: (0.78, 0.50, 0.055),  # yellow, red and white as in the paper's Fig. 2
+    Tissue.FAT: (0.80, 0.30, 0.045),
+    Tissue.MUSCLE: (0.42, 0.022, 0.020),
+    Tissue.BONE: (0.86, 0.82, 0.74),
+    Tissue.CANCELLOUS: (0.80, 0.70, 0.55),
+    Tissue.MARROW: (0.74, 0.47, 0.36),
+    Tissue.ARTERY: (0.80, 0.03, 0.12),
+}
+"""Linear RGB reflectance of each tissue's balls."""
+
+_BALL_RADIUS = 0.62  # spacings; chosen: neighbours just touch, no light falls through whole tissue
+_DARK = 0.45  # chosen: how much darker a ball of destroyed tissue is
+_KEPT_DEPTH = 12.0  # spacings behind the foremost ball; chosen: closes the gaps of a torn wall
+
+
+def ball_surface(points: TissuePoints) -> TriangleSurface:
+    """One mesh of a ball for each point, in the colours of the paper's Fig. 2."""
+    corner, triangle = _unit_ball()
+    count, corners = points.position.shape[0], corner.shape[0]
+    radius = _BALL_RADIUS * points.spacing
+    vertices = points.position[:, None, :] + np.float32(radius) * corner
+    first = corners * np.arange(count, dtype=np.int32)
+    triangles = first[:, None, None] + triangle
+    colour = np.repeat(ball_colours(points.tissue, points.damage), corners, axis=0)
+    return TriangleSurface(
+        vertices.reshape(-1, 3).astype(np.float32),
+        triangles.reshape(-1, 3).astype(np.int32),
+        {"colour": colour, "roughness": np.full(count * corners, 0.42, np.float32)},
+    )
+
+
+def ball_colours(tissue: LabelArray, damage: Float32Array) -> Float32Array:
+    """Linear RGB (n, 3): the paper's yellow, red and white, darker where torn."""
+    table = np.full((256, 3), 0.5, np.float32)
+    for code, colour in FIGURE_2_LIGHT.items():
+        table[int(code)] = colour
+    dark = 1.0 - _DARK * np.clip(damage, 0.0, 1.0)
+    colours: Float32Array = np.take(table, tissue, axis=0) * dark[:, None].astype(np.float32)
+    return colours
+
+
+def seen_from(points: TissuePoints, right: FloatArray, up: FloatArray) -> BoolArray:
+    """Which points (n,) may be seen by a viewer far away, with `right` and `up` in his picture.
+
+    Points well behind the foremost one of their place in the picture are left out, which spares
+    the ray tracer millions of triangles.
+    """
+    if points.position.shape[0] == 0:
+        return np.zeros(0, np.bool_)
+    toward = np.cross(right, up)
+    cell = 2.0 * points.spacing
+    column = _places(points.position @ right, cell)
+    row = _places(points.position @ up, cell)
+    depth = np.asarray(points.position @ toward, np.float64)
+    foremost = np.full((row.max() + 1, column.max() + 1), -np.inf)
+    np.maximum.at(foremost, (row, column), depth)
+    # What a place hides is bounded by the least deep of its neighbours: light comes in aslant.
+    padded = np.pad(foremost, 1, constant_values=-np.inf)
+    shape = foremost.shape
+    shifted = [padded[i : i + shape[0], j : j + shape[1]] for i in range(3) for j in range(3)]
+    least = np.min(shifted, axis=0)
+    seen: BoolArray = depth > least[row, column] - _KEPT_DEPTH * points.spacing
+    return seen
+
+
+def _places(coordinate: AnyArray, cell: float) -> IntArray:
+    places: IntArray = np.floor((coordinate - np.min(coordinate)) / cell).astype(np.int32)
+    return places
+
+
+@functools.cache
+def _unit_ball() -> tuple[Float32Array, IntArray]:
+    """Corners (42, 3) and triangles (80, 3) of an icosahedron whose sides are halved once."""
+    golden = 0.5 * (1.0 + np.sqrt(5.0))
+    signs = [(s, t * golden) for s in (-1.0, 1.0) for t in (-1.0, 1.0)]
+    corner = np.array(
+        [(0.0, s, t) for s, t in signs]
+        + [(s, t, 0.0) for s, t in signs]
+        + [(t, 0.0, s) for s, t in signs]
+    )
+    from scipy.spatial import ConvexHull
+
+    corner /= np.linalg.norm(corner, axis=1, keepdims=True)
+    faces = ConvexHull(corner).simplices
+    middle = {
+        tuple(sorted((int(a), int(b))))
+        for face in faces
+        for a, b in zip(face, np.roll(face, 1), strict=True)
+    }
+    halves = np.array([corner[a] + corner[b] for a, b in sorted(middle)])
+    halves /= np.linalg.norm(halves, axis=1, keepdims=True)
+    fine = np.concatenate([corner, halves])
+    hull = ConvexHull(fine).simplices
+    side = fine[hull]
+    outward = np.cross(side[:, 1] - side[:, 0], side[:, 2] - side[:, 0])
+    inside_out = np.einsum("fc,fc->f", outward, side[:, 0]) < 0.0
+    hull[inside_out] = hull[inside_out, ::-1]
+    return fine.astype(np.float32), hull.astype(np.int32)

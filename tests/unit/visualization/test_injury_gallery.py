@@ -1,0 +1,121 @@
+"""The gallery's pictures: balls where points are, instants that tell the story, whole sheets."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from vulnus.core.handoff import ShotLine, Tissue
+from vulnus.visualization.impact_view import ShotScene, instants
+from vulnus.visualization.particle_balls import ball_surface, seen_from
+from vulnus.visualization.sheet import LegendEntry, compose, write_jpeg
+from vulnus.visualization.surface import TissuePoints
+
+SHOT = ShotLine((0.0, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 1.0, 0.0), 0.01, 100.0)
+
+
+def points_of(position: np.ndarray, tissue: Tissue = Tissue.MUSCLE) -> TissuePoints:
+    count = len(position)
+    return TissuePoints(
+        position.astype(np.float32),
+        np.full(count, tissue, np.uint8),
+        np.zeros(count, np.float32),
+        1e-3,
+    )
+
+
+def test_each_ball_is_a_closed_sphere_around_its_point() -> None:
+    place = np.array([[0.0, 0.0, 0.0], [0.1, 0.2, 0.3]])
+    surface = ball_surface(points_of(place))
+    corners = surface.vertices.reshape(2, -1, 3)
+    radius = np.linalg.norm(corners - place[:, None], axis=2)
+    assert np.allclose(radius, 0.62e-3, rtol=1e-4)
+    assert np.allclose(corners.mean(axis=1), place, atol=1e-7)
+    edges = np.sort(surface.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    _, uses = np.unique(edges, axis=0, return_counts=True)
+    assert np.all(uses == 2)  # closed
+    side = surface.vertices[surface.triangles].astype(np.float64)
+    outward = np.cross(side[:, 1] - side[:, 0], side[:, 2] - side[:, 0])
+    middle = np.repeat(place, len(side) // 2, axis=0)
+    assert np.all(np.einsum("tc,tc->t", outward, side.mean(axis=1) - middle) > 0.0)
+
+
+def test_the_foremost_points_are_kept_and_those_far_behind_them_left_out() -> None:
+    cells = 1e-3 * np.stack(np.meshgrid(*[np.arange(40)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    seen = seen_from(points_of(cells), np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+    depth = cells[:, 2]
+    inner = np.all((cells[:, :2] > 3e-3) & (cells[:, :2] < 36e-3), axis=1)
+    assert np.all(seen[depth > 0.030])
+    assert not np.any(seen[inner & (depth < 0.020)])
+    nothing = points_of(np.zeros((0, 3)))
+    assert len(seen_from(nothing, np.array([1.0, 0, 0]), np.array([0.0, 1, 0]))) == 0
+
+
+def test_instants_are_before_inside_at_the_exit_at_the_largest_cavity_and_the_end() -> None:
+    times = (np.arange(101) * 1e-4).tolist()  # the ball is out after 1.1 ms
+    assert instants(times, SHOT, turning=4e-3) == [0, 5, 11, 40, 100]
+    assert instants(times, SHOT, turning=10e-3) == [0, 5, 11, 55, 100]  # 55.5 of 100
+    assert instants(times[:3], SHOT, turning=2e-4) == [0, 2]  # a run that ends early
+
+
+def test_cameras_look_along_and_across_the_flight_with_proximal_up(wound) -> None:
+    scene = ShotScene.of(wound)
+    side = scene.side_camera(620, 280)
+    entry, exit_ = side.project(np.array([wound.shot.entry_point, wound.shot.exit_point]))
+    assert entry[0] < exit_[0]  # the flight goes to the right
+    assert 0.0 < entry[0]
+    assert exit_[0] < 620
+    above = side.project(np.array([wound.shot.entry_point]) + [0.0, 0.0, 0.01])
+    assert above[0, 1] < entry[1]
+    back = scene.back_camera(400, 280, 0.04)
+    assert np.allclose(back.axes[2], scene.flight, atol=1e-12)
+    assert np.allclose(back.project(np.array([wound.shot.exit_point])), [[200.0, 140.0]])
+
+
+def test_a_sheet_holds_every_panel_and_its_words() -> None:
+    red = np.zeros((50, 300, 3), np.uint8)
+    red[...] = (200, 10, 10)
+    blue = np.zeros((50, 200, 3), np.uint8)
+    blue[...] = (10, 10, 200)
+    legend = [LegendEntry((0.0, 0.5, 0.0), "grass")]
+    wide = np.broadcast_to(blue[:, :1], red.shape)
+    sheet = compose([[red, blue], [wide, blue]], titles=("a", "b"), legend=legend)
+    assert np.count_nonzero(np.all(sheet == (200, 10, 10), axis=2)) == 50 * 300
+    assert np.count_nonzero(np.all(sheet == (10, 10, 200), axis=2)) == 50 * (200 + 500)
+    assert np.any(np.all(sheet == (0, 188, 0), axis=2))
+    assert np.all(sheet[0] == 255)
+
+
+def test_a_jpeg_for_a_page_stays_below_300_kilobytes(tmp_path) -> None:
+    rng = np.random.default_rng(1)
+    coarse = rng.integers(0, 256, (300, 200, 3), dtype=np.uint8)
+    picture = coarse.repeat(4, 0).repeat(4, 1)
+    path = write_jpeg(tmp_path / "deep" / "noise.jpg", picture)
+    data = path.read_bytes()
+    assert len(data) <= 300_000
+    assert Image.open(io.BytesIO(data)).size == (800, 1200)
+    plain = io.BytesIO()
+    Image.fromarray(picture).save(plain, format="JPEG", quality=92)
+    assert len(plain.getvalue()) > 300_000  # at full quality it would not fit
+
+
+@pytest.mark.slow
+def test_the_gallery_is_drawn(wound, injury_frames, tmp_path) -> None:
+    from vulnus.visualization import VisualizationParameters, draw_injury_gallery
+
+    files = draw_injury_gallery(
+        {"temporary": wound, "permanent": wound},
+        injury_frames,
+        [frame.time for frame in injury_frames],
+        VisualizationParameters(samples=1, denoise=False),
+        directory=tmp_path,
+        name="rod",
+    )
+    assert [path.name for path in files] == ["passage_rod.jpg", "wound_rod.jpg"]
+    for path in files:
+        pixels = np.asarray(Image.open(path))
+        assert pixels.std() > 20  # not blank
+        assert np.mean(pixels.max(axis=2) < 8) < 0.02  # no black areas
