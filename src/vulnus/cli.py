@@ -14,6 +14,7 @@ from cyclopts import App, Parameter
 
 from vulnus import __version__
 from vulnus.core.errors import StorageError, VulnusError
+from vulnus.core.units import GRAM, MILLIMETRE
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -172,6 +173,21 @@ def list_scenarios() -> None:
 
     for name, purpose in preset_purposes().items():
         print(f"{name:<28} {purpose}")
+
+
+@app.command
+def projectiles() -> None:
+    """List the projectiles that a scenario may name: shape, mass, size, speed and source."""
+    from vulnus.injury import PROJECTILES
+
+    line = "{:<21}{:<10}{:>7}  {:<12}{:<16}{}"
+    print(line.format("name", "shape", "mass g", "size mm", "speed m/s", "source"))
+    for row in PROJECTILES.values():
+        sizes = (row.diameter, row.length) if row.diameter else (row.length, row.width)
+        size = " x ".join(f"{value / MILLIMETRE:g}" for value in sizes if value)
+        low, high = row.speed_range
+        speed = f"{row.speed:g} ({low:g}-{high:g})"
+        print(line.format(row.name, row.shape, f"{row.mass / GRAM:g}", size, speed, row.source))
 
 
 @scenario_app.command

@@ -117,11 +117,11 @@ class ProjectileSection(Section):
         ge=-360,
         le=360,
     )
-    spin_rev_per_s: float = quantity(
-        ProjectileParameters,
+    spin_rev_per_s: float | None = auto_quantity(
         "spin",
         "rev/s",
-        "about the long axis, clockwise seen from behind (a right-hand twist)",
+        'about the long axis, clockwise seen from behind (a right-hand twist); "auto": that of the '
+        "name's rifled barrel, else 0",
         ge=-1e4,
         le=1e4,
     )
@@ -204,6 +204,9 @@ class ProjectileSection(Section):
         for key, default in _fallbacks(found).items():
             if key in found and found[key] is None:
                 found[key] = default
+        if self.spin_rev_per_s is None and self.name is not None:
+            twist = row_of_table(self.name).twist
+            found["spin_rev_per_s"] = found["speed_m_per_s"] / twist if twist else 0.0
         return found
 
 
@@ -224,15 +227,23 @@ def values_of_table(name: str) -> dict[str, float]:
     given = {
         "mass_g": (row.mass, GRAM),
         "diameter_mm": (row.diameter, MILLIMETRE),
+        "length_mm": (row.length, MILLIMETRE),
+        "nose_length_mm": (row.nose_length, MILLIMETRE),
+        "width_mm": (row.width, MILLIMETRE),
+        "thickness_mm": (row.thickness, MILLIMETRE),
+        "tip_length_mm": (row.tip_length, MILLIMETRE),
+        "depth_mm": (row.depth, MILLIMETRE),
+        "speed_m_per_s": (row.speed, 1.0),
     }
-    return {key: value / unit for key, (value, unit) in given.items() if value}
+    return {key: float(f"{value / unit:.12g}") for key, (value, unit) in given.items() if value}
 
 
 def _fallbacks(found: dict[str, Any]) -> dict[str, float | None]:
     """What stands where neither the scenario nor the table says anything."""
     length = found.get("length_mm")
     return {
-        "diameter_mm": None if length else 9.0,
+        "speed_m_per_s": ProjectileParameters().speed,
+        "diameter_mm": None if "length_mm" in found else 9.0,
         "nose_length_mm": None if length is None else 0.5 * length,
         "tip_length_mm": found.get("width_mm"),
     }

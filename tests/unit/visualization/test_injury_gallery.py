@@ -66,7 +66,7 @@ def test_cameras_look_along_and_across_the_flight_with_proximal_up(wound) -> Non
     side = scene.side_camera(620, 280)
     entry, exit_ = side.project(np.array([wound.shot.entry_point, wound.shot.exit_point]))
     assert entry[0] < exit_[0]  # the flight goes to the right
-    assert 0.0 < entry[0]
+    assert entry[0] > 0.0
     assert exit_[0] < 620
     above = side.project(np.array([wound.shot.entry_point]) + [0.0, 0.0, 0.01])
     assert above[0, 1] < entry[1]

@@ -1,0 +1,110 @@
+"""What a scenario says about projectiles becomes exactly that, or is refused by name."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from vulnus.core.errors import InputFileError, ScenarioError
+from vulnus.injury import PROJECTILES
+from vulnus.injury.parameters import InjuryParameters
+from vulnus.scenario import load_scenario, scenario_from_text, scenario_text
+
+
+def injury(text: str) -> InjuryParameters:
+    return scenario_from_text(text, file="mine.toml").injury
+
+
+@pytest.mark.parametrize("name", sorted(PROJECTILES))
+def test_a_name_stands_for_the_values_of_the_table(name: str) -> None:
+    row, made = PROJECTILES[name], injury(f'[injury.projectile]\nname = "{name}"').projectile
+    assert made.name == name
+    assert made.shape == row.shape
+    for key in ("mass", "speed", "length", "nose_length", "width", "thickness", "depth"):
+        assert getattr(made, key) == pytest.approx(getattr(row, key), rel=1e-9), key
+    assert made.diameter == pytest.approx(row.diameter or row.width)
+    assert made.spin == pytest.approx(row.spin, rel=1e-9)
+    assert made.motion == ("kinematic" if row.shape == "blade" else "dynamic")
+
+
+def test_a_key_goes_before_the_table() -> None:
+    made = injury('[injury.projectile]\nname = "9x19_fmj"\nmass_g = 7.45\nspeed_m_per_s = 250')
+    assert made.projectile.mass == 0.00745
+    assert made.projectile.spin == pytest.approx(2 * math.pi * 250 / PROJECTILES["9x19_fmj"].twist)
+    assert made.projectile.diameter == 0.009
+
+
+def test_in_the_paper_mode_what_flies_keeps_its_velocity_unless_told() -> None:
+    paper = '[injury]\nmode = "paper"\n[injury.projectile]\nname = "9x19_fmj"\n'
+    assert injury(paper).projectile.motion == "kinematic"
+    assert injury(paper + 'motion = "dynamic"').projectile.motion == "dynamic"
+    assert injury("[injury.projectile]\ndiameter_mm = 7").projectile.motion == "kinematic"
+    assert injury("[injury.projectile]\nmass_g = 3").projectile.motion == "dynamic"
+
+
+def test_several_projectiles_have_their_own_lines() -> None:
+    made = injury(
+        '[[injury.projectiles]]\nname = "fsp_1.10g"\n[injury.projectiles.aim]\nazimuth_deg = 90\n'
+        "[[injury.projectiles]]\ndiameter_mm = 6\n[injury.projectiles.aim]\nfraction = 0.2\n"
+    )
+    assert made.projectile.shape == "cylinder"
+    assert made.aim.azimuth == pytest.approx(math.pi / 2)
+    (other,) = made.other_shots
+    assert other.projectile.diameter == 0.006
+    assert other.aim.fraction == 0.2
+
+
+def test_several_projectiles_survive_the_printed_scenario(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(
+        'preset = "demo"\n[[injury.projectiles]]\nname = "22lr"\n[[injury.projectiles]]\n'
+        "diameter_mm = 5\n[injury.projectiles.aim]\nazimuth_deg = 12\n"
+    )
+    (tmp_path / "b.toml").write_text(scenario_text(tmp_path / "a.toml"))
+    first, second = load_scenario(tmp_path / "a.toml"), load_scenario(tmp_path / "b.toml")
+    assert first == second
+    assert len(first.injury.other_shots) == 1
+    assert first.injury.projectile.name == "22lr"  # the demo's ball is replaced, not joined
+
+
+def test_an_stl_file_lies_beside_the_scenario_and_must_be_there(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text('[injury.projectile]\nstl = "nail.stl"\nmass_g = 2\n')
+    with pytest.raises(InputFileError, match=r"nail\.stl.*no such file"):
+        load_scenario(tmp_path / "a.toml")
+    (tmp_path / "nail.stl").write_text("solid nail\nendsolid\n")
+    scenario = load_scenario(tmp_path / "a.toml")
+    assert scenario.injury.projectile.mesh == tmp_path / "nail.stl"
+    assert scenario.injury.projectile.mesh_scale == 0.001
+    assert tmp_path / "nail.stl" in scenario.inputs
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ('name = "9x19"', ("line 2", "did you mean 9x19_fmj")),
+        ('shape = "cylinder"\ndiameter_mm = 5', ("a cylinder needs length_mm",)),
+        ('shape = "stl"', ("a stl needs stl",)),
+        ('shape = "blade"', ("a blade needs length_mm",)),
+        ("length_mm = 5", ("length_mm has no meaning for a sphere",)),
+        ('motion = "dynamic"', ("needs mass_g",)),
+        ('name = "knife"\nmotion = "dynamic"', ("guided by a hand",)),
+        ('name = "22lr"\nnose_length_mm = 50', ("nose_length_mm must not exceed length_mm",)),
+        ("yaw_deg = 200", ("at most 180", "deg")),
+        ("spin = 20", ("Did you mean injury.projectile.spin_rev_per_s",)),
+        ('shape = "dart"', ("must be 'sphere'",)),
+    ],
+)
+def test_what_cannot_fly_is_refused(text: str, parts: tuple[str, ...]) -> None:
+    with pytest.raises(ScenarioError) as error:
+        injury(f"[injury.projectile]\n{text}")
+    for part in parts:
+        assert part in str(error.value), str(error.value)
+
+
+def test_a_complaint_about_one_of_several_names_it_and_its_line() -> None:
+    text = '[[injury.projectiles]]\nname = "22lr"\n[[injury.projectiles]]\n\nmass_g = -1\n'
+    with pytest.raises(ScenarioError, match=r"line 5: injury\.projectiles\[1\]\.mass_g = -1"):
+        injury(text)
+    with pytest.raises(ScenarioError, match="not both"):
+        injury(text.replace("-1", "1") + "[injury.projectile]\ndiameter_mm = 5\n")
