@@ -87,9 +87,8 @@ class Experiment(ExperimentSetup):
         when it is due; a new experiment that is set up alike and given it goes on from there.
         Raises `UnstableStepError` where a particle inverts, leaves the box or is not finite.
         """
-        schedule = SampleSchedule.of(
-            self.time, until, sample_interval or self._sample_interval, snapshot_interval
-        )
+        interval = self._sample_interval if sample_interval is None else sample_interval
+        schedule = SampleSchedule.of(self.time, until, interval, snapshot_interval)
         self._sample_interval = schedule.sample_interval
         set_threads(self.threads or int(os.environ.get("OMP_NUM_THREADS", "0")))
         solver = self._start().solver

@@ -23,6 +23,9 @@ from .solver import Precision
 
 UNBOUNDED = 1e30
 """A place [m] that nothing reaches."""
+ON_THE_PLANE = 1e-6
+"""Cells that a boundary reaches further, so that nodes on its plane count as behind it [chosen: far
+above round-off]."""
 
 
 class ExperimentSetup:
@@ -174,10 +177,12 @@ class ExperimentSetup:
         """
         self._refuse_after_start("add_wall")
         one_of("kind", kind, ("fixed", "slip", "separating"))
+        across = axis_vector("normal", normal)
+        place = vector("point", point) + ON_THE_PLANE * self.grid_spacing * across
         self._boundaries.append(
             Wall(
-                point=vector("point", point),
-                normal=triple(axis_vector("normal", normal)),
+                point=triple(place),
+                normal=triple(across),
                 kind=kind,
                 friction=not_negative("friction", friction),
                 velocity=vector("velocity", velocity),
@@ -187,7 +192,7 @@ class ExperimentSetup:
     def hold_ends(self, *, axis: Axis, lower: float = -UNBOUNDED, upper: float = UNBOUNDED) -> None:
         """Hold the grid where x·`axis` is at most `lower` or at least `upper` [m]."""
         self._refuse_after_start("hold_ends")
-        self._boundaries.append(HeldEnds(**_ends(axis, lower, upper)))
+        self._boundaries.append(HeldEnds(**self._ends(axis, lower, upper)))
 
     def absorb_ends(
         self,
@@ -203,7 +208,9 @@ class ExperimentSetup:
         """
         self._refuse_after_start("absorb_ends")
         self._boundaries.append(
-            AbsorbingEnds(**_ends(axis, lower, upper), thickness=positive("thickness", thickness))
+            AbsorbingEnds(
+                **self._ends(axis, lower, upper), thickness=positive("thickness", thickness)
+            )
         )
 
     def add_sensor(self, sensor: Sensor) -> str:
@@ -239,9 +246,15 @@ class ExperimentSetup:
                 what, "the experiment has begun", "Add everything first, or make a new Experiment."
             )
 
-
-def _ends(axis: Axis, lower: float, upper: float) -> dict[str, Any]:
-    low, high = finite("lower", lower), finite("upper", upper)
-    if not low < high:
-        raise ScenarioError("upper", f"is {high:g} m, must be above lower {low:g} m", "Swap them?")
-    return {"axis": triple(axis_vector("axis", axis)), "lower": low, "upper": high}
+    def _ends(self, axis: Axis, lower: float, upper: float) -> dict[str, Any]:
+        low, high = finite("lower", lower), finite("upper", upper)
+        if not low < high:
+            raise ScenarioError(
+                "upper", f"is {high:g} m, must be above lower {low:g} m", "Swap them?"
+            )
+        more = ON_THE_PLANE * self.grid_spacing
+        return {
+            "axis": triple(axis_vector("axis", axis)),
+            "lower": low + more,
+            "upper": high - more,
+        }

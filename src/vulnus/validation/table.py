@@ -23,19 +23,19 @@ def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
     for title in ("case", "quantity", "value", "reference", "tolerance", "verdict"):
         table.add_column(title, justify="right" if title in ("value", "reference") else "left")
     for outcome in outcomes:
-        label = f"{outcome.case.id} {outcome.case.name} ({outcome.wall:.0f} s)"
+        title = Text(f"{outcome.case.name} ({outcome.wall:.0f} s)", "bold")
+        table.add_row(outcome.case.id, title)
         for comparison in outcome.report.comparisons:
             table.add_row(
-                label,
+                "",
                 comparison.name,
                 _shown(comparison.value, comparison.unit),
                 _shown(comparison.reference, comparison.unit),
                 comparison.tolerance,
                 Text("agrees", "green") if comparison.passed else Text("FAILS", "bold red"),
             )
-            label = ""
         if outcome.error is not None:
-            table.add_row(label, Text(outcome.error, "red"), "", "", "", Text("FAILS", "bold red"))
+            table.add_row("", Text(outcome.error, "red"), "", "", "", Text("FAILS", "bold red"))
         table.add_section()
     return table
 

@@ -32,7 +32,7 @@ def bar(cells: int, velocity) -> Experiment:
         velocity=velocity,
         name="bar",
     )
-    experiment.hold_ends(axis="x", lower=0.01 * spacing)
+    experiment.hold_ends(axis="x", lower=0.0)
     end = PointSensor(position=(LENGTH, spacing, spacing), name="tip", quantities=("displacement",))
     experiment.add_sensor(end)
     return experiment
