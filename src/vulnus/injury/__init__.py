@@ -7,7 +7,14 @@ from __future__ import annotations
 
 from .attitude import attitude
 from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall
-from .combined_solids import Difference, FunctionSolid, HalfSpace, Intersection, Union
+from .combined_solids import (
+    ClosedSurface,
+    Difference,
+    FunctionSolid,
+    HalfSpace,
+    Intersection,
+    Union,
+)
 from .drawn_shapes import BladeShape, Box, Cylinder, Ogive
 from .experiment import Experiment
 from .experiment_result import (
@@ -50,6 +57,7 @@ __all__ = [
     "BodyState",
     "Boundary",
     "Box",
+    "ClosedSurface",
     "Cylinder",
     "Difference",
     "Experiment",

@@ -74,9 +74,7 @@ class Record:
             self._snapshots.append(read_fields(reading, self._started.tissue))
 
     def _energies(self, reading: ParticleReading, rigid: float, work: float) -> Mapping[str, float]:
-        stored = {"kinetic": self._started.solver.totals()["kinetic_energy"], "elastic": 0.0}
-        if hasattr(self._started.solver, "energies"):
-            stored = self._started.solver.energies()
+        stored = self._started.solver.energies()
         gravity = float(-reading.mass @ (reading["position"] @ self._gravity))
         kept = {
             "kinetic": stored["kinetic"],

@@ -8,6 +8,7 @@ from typing import Any
 from vulnus.core.arrays import AnyArray, Vector3
 from vulnus.core.errors import ScenarioError
 from vulnus.core.handoff import LabelVolume
+from vulnus.core.units import DEGREE
 
 from . import experiment_checks as checks
 from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall, WallKind
@@ -15,7 +16,10 @@ from .checked_values import finite, not_negative, one_of, positive, vector
 from .experiment_particles import Arrangement, ParticleStore, Velocity, fill
 from .labelled_bodies import label_bodies
 from .materials import Material
-from .rigid_body import RigidBody
+from .projectile_launch import Launch
+from .projectiles import FRICTION, Projectile
+from .projectiles import projectile as named_projectile
+from .rigid_body import Motion, RigidBody
 from .rotations import Axis, axis_vector
 from .sensors import Sensor
 from .solids import Solid, triple
@@ -53,7 +57,7 @@ class ExperimentSetup:
         self._grid_offset = vector("grid_offset", grid_offset)
         self._store = ParticleStore()
         self._boundaries: list[Boundary] = []
-        self._rigid: dict[str, RigidBody] = {}
+        self._rigid: dict[str, RigidBody | Launch] = {}
         self._sensors: dict[str, Sensor] = {}
         self._begun = False
 
@@ -158,6 +162,57 @@ class ExperimentSetup:
         name = checks.free_name(body.name, "rigid body", self._rigid)
         self._rigid[name] = body
         return name
+
+    def add_projectile(
+        self,
+        projectile: str | Projectile,
+        *,
+        speed: float,
+        direction: Axis,
+        target: Vector3 | None = None,
+        centre: Vector3 | None = None,
+        motion: Motion = "dynamic",
+        yaw_degrees: float = 0.0,
+        pitch_degrees: float = 0.0,
+        spin: float = 0.0,
+        friction: float = FRICTION,
+        name: str | None = None,
+    ) -> str:
+        """Shoot a projectile of the table `PROJECTILES`, or a `Projectile`; returns its name.
+
+        It flies at `speed` [m/s] along `direction`. Give either `target`, any point [m] on its
+        line: it then starts one cell before it meets the first tissue; or `centre`, where its
+        centre of mass [m] is at time 0. Its nose points along `direction`, turned to the right by
+        `yaw_degrees` and up (+z) by `pitch_degrees`; `spin` [rad/s] is about its long axis, for a
+        rifled barrel `projectile(name).spin`. `motion` "dynamic" lets the tissue slow it down,
+        "kinematic" keeps its velocity. `friction` is Coulomb's coefficient.
+        """
+        self._refuse_after_start("add_projectile")
+        shot = named_projectile(projectile) if isinstance(projectile, str) else projectile
+        if not isinstance(shot, Projectile):
+            raise ScenarioError(
+                "projectile", f"is {projectile!r}", "Give a name of PROJECTILES or a Projectile."
+            )
+        if (target is None) == (centre is None):
+            raise ScenarioError(
+                "target", "is given with centre or both are missing", "Give one of the two."
+            )
+        one_of("motion", motion, ("dynamic", "kinematic"))
+        launch = Launch(
+            projectile=shot,
+            speed=positive("speed", speed),
+            direction=triple(axis_vector("direction", direction)),
+            target=None if target is None else vector("target", target),
+            centre=None if centre is None else vector("centre", centre),
+            motion=motion,
+            yaw=DEGREE * finite("yaw_degrees", yaw_degrees),
+            pitch=DEGREE * finite("pitch_degrees", pitch_degrees),
+            spin=finite("spin", spin),
+            friction=not_negative("friction", friction),
+        )
+        chosen = checks.free_name(name, "projectile", self._rigid)
+        self._rigid[chosen] = launch
+        return chosen
 
     def add_wall(
         self,

@@ -17,6 +17,7 @@ from .experiment_particles import Filling, ParticleStore
 from .flight import Flight, refuse_start_inside
 from .materials import material_table
 from .particle_reading import JoinedParticles, TissueBody
+from .projectile_launch import Launch
 from .rigid_body import RigidBody
 from .solver import MpmSolver, Precision
 
@@ -51,7 +52,7 @@ class StartedExperiment:
 def start(
     settings: GridSettings,
     store: ParticleStore,
-    rigid: Mapping[str, RigidBody],
+    rigid: Mapping[str, RigidBody | Launch],
     boundaries: Sequence[Boundary],
 ) -> StartedExperiment:
     """Check what was set up and fill the solver; refuses what cannot run, with the reason."""
@@ -60,7 +61,15 @@ def start(
         _check_resolution(filling, settings.grid_spacing, boundaries)
     checks.bodies_apart(store.fillings)
     particles = store.joined()
-    bodies = tuple(replace(body, name=name) for name, body in rigid.items())
+    bodies = tuple(
+        replace(
+            body.rigid_body(name, particles, settings.grid_spacing)
+            if isinstance(body, Launch)
+            else body,
+            name=name,
+        )
+        for name, body in rigid.items()
+    )
     for body in bodies:
         refuse_start_inside(body, particles, settings.grid_spacing)
         _warn_of_coarse_grid(body, settings.grid_spacing)

@@ -11,6 +11,7 @@ from vulnus.core.errors import ProjectileError
 
 from .particle_reading import JoinedParticles
 from .rigid_body import BodyState, RigidBody
+from .shape_distance import distance_to
 from .shapes import Shape, Sphere
 from .solids import triple
 
@@ -99,25 +100,19 @@ def first_contact(
 
 
 def start_before_contact(
-    particles: JoinedParticles,
-    *,
-    name: str,
-    shape: Shape,
-    rotation: FloatArray,
-    target: Vector3,
-    direction: FloatArray,
-    gap: float,
+    body: RigidBody, particles: JoinedParticles, *, target: Vector3, gap: float, name: str
 ) -> Vector3:
     """Centre [m] on the line through `target` from which `gap` [m] is left to the first contact."""
-    outline = Outline.of(shape)
-    first = first_contact(particles, target, direction, outline.width(direction, rotation))
+    outline, direction = Outline.of(body.shape), aimed_direction(body)
+    assert direction is not None  # a projectile has a speed
+    first = first_contact(particles, target, direction, outline.width(direction, body.turn))
     if first is None:
         raise ProjectileError(
             name,
             f"its line through {target} m along {direction.round(4).tolist()} meets no tissue",
             "Check target and direction.",
         )
-    way = first - gap - outline.reach(direction, rotation)
+    way = first - gap - outline.reach(direction, body.turn)
     return triple(np.asarray(target) + way * direction)
 
 
@@ -134,22 +129,6 @@ def refuse_start_inside(body: RigidBody, particles: JoinedParticles, grid_spacin
             f"begins inside tissue: {len(deep)} particles are in it, the first at {place} m",
             "Move it back, or take its room out of the body of tissue.",
         )
-
-
-def distance_to(shape: Shape, local: FloatArray) -> FloatArray:
-    """Signed distance (n,) [m] of points (n, 3) [m] of the body's frame, negative inside."""
-    if isinstance(shape, Sphere):
-        distance: FloatArray = np.linalg.norm(local, axis=1) - shape.radius
-        return distance
-    from scipy.ndimage import map_coordinates
-
-    sampled = shape.distance
-    assert sampled is not None  # every shape but the sphere is sampled
-    index = (local - sampled.lower) / sampled.spacing
-    found: FloatArray = map_coordinates(
-        sampled.values.astype(np.float64), index.T, order=1, mode="nearest"
-    )
-    return found
 
 
 def _hull(shape: Shape) -> FloatArray:

@@ -83,6 +83,4 @@ class ParticleReading:
         if quantity == "displacement":
             moved: AnyArray = self["position"] - self.reference
             return moved
-        shape = {"stress": (3, 3)}.get(quantity, ())
-        missing = np.full((len(self.volume), *shape), np.nan)
-        return np.asarray(getattr(self._solver, quantity, missing), np.float64)
+        return np.asarray(getattr(self._solver, quantity), np.float64)

@@ -23,8 +23,8 @@ def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
     for title in ("case", "quantity", "value", "reference", "tolerance", "verdict"):
         table.add_column(title, justify="right" if title in ("value", "reference") else "left")
     for outcome in outcomes:
-        title = Text(f"{outcome.case.name} ({outcome.wall:.0f} s)", "bold")
-        table.add_row(outcome.case.id, title)
+        heading = Text(f"{outcome.case.name} ({outcome.wall:.0f} s)", "bold")
+        table.add_row(outcome.case.id, heading)
         for comparison in outcome.report.comparisons:
             table.add_row(
                 "",
