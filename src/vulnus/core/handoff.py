@@ -189,13 +189,15 @@ class InjuredLimb:
 class ParticleFrame:
     """Particles at one instant, for files and pictures.
 
-    `position` (n, 3) [m]; `point_data` maps a name with its unit to an (n,) or (n, 3) array.
+    `position` (n, 3) [m]; `point_data` maps a name with its unit to an (n,) or (n, 3) array,
+    `frame_data` one to an array of any size, for example where the projectiles are.
     """
 
     index: int
     time: float
     position: Float32Array
     point_data: Mapping[str, AnyArray]
+    frame_data: Mapping[str, AnyArray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

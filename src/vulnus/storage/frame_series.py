@@ -20,6 +20,7 @@ from vulnus.core.handoff import ParticleFrame
 
 from .whole_file import write_whole
 
+_OWN_FIELDS = ("TimeValue", "FrameIndex")
 _CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
@@ -79,6 +80,11 @@ class FrameSeries:
                     time=float(root["FieldData/TimeValue"][0]),
                     position=root["Points"][()],
                     point_data={name: data[()] for name, data in root["PointData"].items()},
+                    frame_data={
+                        name: data[()]
+                        for name, data in root["FieldData"].items()
+                        if name not in _OWN_FIELDS
+                    },
                 )
         except (OSError, KeyError) as trouble:
             raise StorageError(
@@ -113,6 +119,8 @@ def frame_as_vtkhdf(frame: ParticleFrame) -> bytes:
         fields = root.create_group("FieldData")
         fields["TimeValue"] = np.array([frame.time], dtype=np.float64)
         fields["FrameIndex"] = np.array([frame.index], dtype=np.int64)
+        for name, values in sorted(frame.frame_data.items()):
+            fields[name] = np.ascontiguousarray(values)
         file.flush()
         return bytes(file.id.get_file_image())
 

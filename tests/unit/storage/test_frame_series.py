@@ -24,6 +24,10 @@ def frame(index: int, count: int = 50) -> ParticleFrame:
             "pressure_pa": rng.random(count, dtype=np.float32),
             "tissue": np.arange(count, dtype=np.uint8),
         },
+        frame_data={
+            "projectile_position_m": rng.random((2, 3)),
+            "projectile_rotation": rng.random((2, 9)),
+        },
     )
 
 
@@ -39,6 +43,8 @@ def test_pyvista_opens_a_frame(tmp_path: Path, count: int) -> None:
         for name, values in kept.point_data.items():
             assert np.array_equal(mesh.point_data[name], values)
         assert mesh.field_data["TimeValue"][0] == kept.time
+        for name, values in kept.frame_data.items():
+            assert np.array_equal(mesh.field_data[name], values)
         assert mesh.verts.reshape(-1, 2)[-1].tolist() == [1, count - 1]
 
 
@@ -62,6 +68,9 @@ def test_a_frame_comes_back_to_the_bit_and_its_file_is_the_same_every_time(tmp_p
     assert np.array_equal(back.position, kept.position)
     assert back.time == kept.time
     assert set(back.point_data) == set(kept.point_data)
+    assert set(back.frame_data) == set(kept.frame_data)
+    for name, values in kept.frame_data.items():
+        assert np.array_equal(back.frame_data[name], values)
     series.save(back)
     assert series.path(1).read_bytes() == first
 
