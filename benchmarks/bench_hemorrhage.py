@@ -84,7 +84,7 @@ def measure(count: int, *, threads: int, repeats: int) -> dict[str, float]:
     }
 
 
-def peer_numpy(count: int) -> float:
+def peer_numpy(count: int, threads: int = 1) -> float:  # noqa: ARG001
     """Particle-steps a second of the NumPy twin (tests/reference), in float64, all pairs."""
     sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
     from reference import sph_twin
@@ -104,7 +104,7 @@ def peer_numpy(count: int) -> float:
     return 2.0 * len(points) / (time.perf_counter() - start)
 
 
-PEERS: dict[str, Callable[[int], float]] = {"numpy": peer_numpy}
+PEERS: dict[str, Callable[[int, int], float]] = {"numpy": peer_numpy}
 """Same equations, other code: name -> particle-steps a second for a number of particles."""
 
 

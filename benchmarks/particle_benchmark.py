@@ -16,15 +16,17 @@ class ParticleBenchmark:
 
     `measure(count, threads, repeats)` gives `particles`, `rate_per_s`, `step_s`,
     `bytes_per_particle` and what `detail` shows; `peers` maps a name to the particle-steps a second
-    of the same equations in other code.
+    of the same equations in other code, of `(count, threads)`; `roofline(case, threads)` gives
+    lines on how far from the machine's limits a measured case is.
     """
 
     description: str
     particles: tuple[float, ...]
     measure: Callable[[int, int, int], dict[str, Any]]
     detail: Callable[[Mapping[str, Any]], str]
-    peers: Mapping[str, Callable[[int], float]]
+    peers: Mapping[str, Callable[[int, int], float]]
     about_peers: str
+    roofline: Callable[[Mapping[str, Any], int], list[str]] | None = None
 
     def arguments(self) -> argparse.Namespace:
         """The command line's options, checked."""
@@ -39,6 +41,8 @@ class ParticleBenchmark:
         known = ", ".join(self.peers)
         about = f"compare with a peer in the same run: {known} ({self.about_peers})"
         add("--peer", metavar="NAME", help=about)
+        if self.roofline is not None:
+            add("--roofline", action="store_true", help="how far from this machine's limits")
         parsed = parser.parse_args()
         if parsed.peer is not None and parsed.peer not in self.peers:
             parser.error(f"unknown peer {parsed.peer!r}; known peers: {known}")
@@ -62,9 +66,14 @@ class ParticleBenchmark:
         for small, large in pairwise(cases):
             more, longer = (large[key] / small[key] for key in ("particles", "step_s"))
             print(f"{more:.1f} x the particles: {longer:.2f} x the time")
+        rates = [case["rate_per_s"] for case in cases]
+        if len(rates) > 1:
+            print(f"largest over smallest rate: {max(rates) / min(rates):.2f}")
+        if self.roofline is not None and args.roofline:
+            print(*self.roofline(cases[-1], args.threads), sep="\n")
         result: dict[str, object] = {**cases[-1], "cases": cases}
         if args.peer is not None:
-            peer_rate = self.peers[args.peer](int(args.particles[-1]))
+            peer_rate = self.peers[args.peer](int(args.particles[-1]), args.threads)
             ratio = cases[-1]["rate_per_s"] / peer_rate
             result |= {"peer": args.peer, "peer_rate_per_s": peer_rate, "ratio": ratio}
             print(f"peer {args.peer}: {peer_rate:.3g} particle-steps/s, ratio {ratio:.1f}")
