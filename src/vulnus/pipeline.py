@@ -18,6 +18,7 @@ from vulnus.core.handoff import (
     BleedOutcome,
     BleedWaveforms,
     InjuredLimb,
+    InjuryOutcome,
     LabelVolume,
     LimbModel,
 )
@@ -79,9 +80,9 @@ def _follow_the_paper(
         LimbModel,
         lambda _: anatomy.build_limb(labels(), scenario.anatomy, progress),
     )
-    wound = book.stage(
+    outcome = book.stage(
         "injury",
-        InjuredLimb,
+        InjuryOutcome,
         lambda kept: injury.shoot(
             limb(),
             scenario.injury,
@@ -89,8 +90,12 @@ def _follow_the_paper(
             checkpoint=kept,
             progress=progress,
         ),
-        report=lambda found: store.write_summary(summarise(found, None, book.cost)),
+        report=lambda found: _write_wound(store, found, book),
     )
+
+    def wound() -> InjuredLimb:
+        return outcome().wound
+
     book.stage("circulation", BleedWaveforms, lambda _: _solve_tree(scenario, wound()))
     bleeding = None
     if wound().injuries:
@@ -99,23 +104,29 @@ def _follow_the_paper(
             "hemorrhage",
             BleedOutcome,
             lambda kept: _bleed(scenario, store, wound(), kept, progress),
-            report=lambda bled: _write_results(store, wound(), bled, book),
+            report=lambda bled: _write_results(store, outcome(), bled, book),
         )()
     else:
         say("the projectile cut no artery: nothing bleeds")
-        _write_results(store, wound(), None, book)
+        _write_results(store, outcome(), None, book)
         book.skip("hemorrhage")
     book.stage("visualization", tuple, lambda _: _draw(scenario, store, progress, say))
-    store.write_summary(summarise(wound(), bleeding, book.cost))
+    store.write_summary(summarise(outcome(), bleeding, book.cost))
+
+
+def _write_wound(store: RunStore, injury: InjuryOutcome, book: StageBook) -> None:
+    """Write the wound's files and what the summary says of it."""
+    store.write_wound(injury)
+    store.write_summary(summarise(injury, None, book.cost))
 
 
 def _write_results(
-    store: RunStore, wound: InjuredLimb, bleeding: BleedOutcome | None, book: StageBook
+    store: RunStore, injury: InjuryOutcome, bleeding: BleedOutcome | None, book: StageBook
 ) -> None:
     """Write the tables and the summary of a wound and its bleeding."""
     store.write_waveforms(bleeding.waveforms if bleeding else None)
     store.write_ledger(bleeding.ledger if bleeding else None)
-    store.write_summary(summarise(wound, bleeding, book.cost))
+    store.write_summary(summarise(injury, bleeding, book.cost))
 
 
 def draw_again(
@@ -207,13 +218,14 @@ def _bleed(
 
 def _draw(scenario: Scenario, store: RunStore, progress: Progress, say: Say) -> tuple[str, ...]:
     """Draw what the run in `store` has results for, as the scenario asks; the files."""
-    wound = store.load_stage("injury", InjuredLimb)
-    if wound is None:
+    outcome = store.load_stage("injury", InjuryOutcome)
+    if outcome is None:
         raise StorageError(
             str(store.path),
             "the run has no finished injury to draw",
             f"Go on with it first: vulnus run -o {store.path} --resume",
         )
+    wound = outcome.wound
     blood, platform = scenario.hemorrhage, scenario.hemorrhage.platform
     run = visualization.RunToDraw(
         wound=wound,
@@ -246,9 +258,12 @@ def _on_demand(series: FrameSeries) -> visualization.Frames:
 
 def _describe_cut(wound: InjuredLimb) -> str:
     cut = wound.injuries[0]
-    others = ", ".join(other.artery.replace("_", " ") for other in wound.injuries[1:])
+    others = ", ".join(
+        f"{other.artery.replace('_', ' ')} ({other.kind})" for other in wound.injuries[1:]
+    )
+    how = "cut" if cut.kind == "transected" else "holed (it bleeds as if it were cut)"
     return (
-        f"the {cut.artery.replace('_', ' ')} artery is cut, {1e3 * cut.gap:.0f} mm of it, at "
+        f"the {cut.artery.replace('_', ' ')} artery is {how}, {1e3 * cut.gap:.0f} mm of it, at "
         f"{100 * cut.arc_fraction:.0f} % of its length"
-        + (f"; also cut, but not bled: {others}" if others else "")
+        + (f"; also torn, but not bled: {others}" if others else "")
     )

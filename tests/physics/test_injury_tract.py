@@ -25,9 +25,10 @@ def shot_at(offset: float, *, limb=None, **changes):
     limb = limb or synthetic_limb(spacing=0.002, length=0.07, artery_at=(-0.004, 0.0))
     aim = AimParameters(target=(-0.004 + offset, 0.0, 0.0), azimuth=0.0)
     parameters = InjuryParameters(
-        projectile=BALL, aim=aim, grid_spacing=0.003, duration=2e-4, window_length=0.05, **changes
-    )
-    return shoot(limb, parameters)
+        projectile=BALL, aim=aim, grid_spacing=0.003, duration=2e-4, window_length=0.05,
+        absorbing_length=0.0, **changes,
+    )  # fmt: skip
+    return shoot(limb, parameters).permanent
 
 
 @pytest.fixture(scope="module")

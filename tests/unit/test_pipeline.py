@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from reference.injury_outcomes import injury_outcome
 
 from vulnus import pipeline
 from vulnus.cli import main
@@ -23,6 +24,7 @@ from vulnus.core.handoff import (
     BleedOutcome,
     BleedWaveforms,
     InjuredLimb,
+    InjuryOutcome,
     LabelVolume,
     LimbModel,
     ParticleFrame,
@@ -132,12 +134,12 @@ class Stages:
         self.count("anatomy")
         return limb_model()
 
-    def shoot(self, limb: LimbModel, _: Any, **given: Any) -> InjuredLimb:
+    def shoot(self, limb: LimbModel, _: Any, **given: Any) -> InjuryOutcome:
         assert limb.spacing == 3e-3
         for index in range(3):
             given["on_frame"](ParticleFrame(index, 1e-4 * index, points(), {}))
         self.count("injury")
-        return injured_limb(*self.injuries)
+        return injury_outcome(injured_limb(*self.injuries))
 
     def prepare(self, wound: InjuredLimb, *_: Any) -> str:
         assert wound.severed_segment == CUT.artery
@@ -228,7 +230,7 @@ def test_of_several_cut_arteries_the_others_are_said_not_to_bleed(
 ) -> None:
     stages.injuries = (CUT, dataclasses.replace(CUT, artery="posterior_tibial"))
     said = run(tmp_path / "run")
-    assert "also cut, but not bled: posterior tibial" in " ".join(said)
+    assert "also torn, but not bled: posterior tibial (transected)" in " ".join(said)
 
 
 def test_a_run_without_a_cut_says_so_and_ends_well(tmp_path: Path, stages: Stages) -> None:

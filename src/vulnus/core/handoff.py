@@ -14,6 +14,47 @@ from enum import IntEnum
 import numpy as np
 
 from .arrays import AnyArray, Float32Array, FloatArray, IntArray, LabelArray, Vector3
+from .wound_report import (
+    BoneFragment,
+    BoneReport,
+    CavityHistory,
+    EnergyDeposit,
+    ProjectileReport,
+    SkinHole,
+    TissueField,
+    VesselKind,
+    VesselReport,
+    WoundReport,
+    WoundTract,
+)
+
+__all__ = [
+    "ArteryCentreline",
+    "BleedLedger",
+    "BleedOutcome",
+    "BleedWaveforms",
+    "BoneFragment",
+    "BoneReport",
+    "CavityHistory",
+    "EnergyDeposit",
+    "InjuredArtery",
+    "InjuredLimb",
+    "InjuryOutcome",
+    "LabelVolume",
+    "LimbModel",
+    "ParticleFrame",
+    "ProjectileReport",
+    "ShotLine",
+    "SkinHole",
+    "Tissue",
+    "TissueField",
+    "TriangleSurface",
+    "VesselInjury",
+    "VesselKind",
+    "VesselReport",
+    "WoundReport",
+    "WoundTract",
+]
 
 
 class Tissue(IntEnum):
@@ -116,7 +157,10 @@ class InjuredArtery:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VesselInjury:
-    """Where an artery is cut.
+    """Where an artery is cut through or holed.
+
+    `kind` is "transected" or "lacerated"; `hole_area` [m²] of what blood can leave through: the
+    lumen's section where it is transected, else the part of the wall that is gone.
 
     `arc_length` [m] from the artery's proximal end, along the reference centre-line, to the middle
     of the gap; `arc_fraction` of its whole length; `gap` [m] the destroyed length;
@@ -135,13 +179,17 @@ class VesselInjury:
     position_distal: Vector3
     axis_proximal: Vector3
     axis_distal: Vector3
+    kind: VesselKind = "transected"
+    hole_area: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShotLine:
-    """The projectile's straight path: entry and exit point [m] on the skin, and what flew it.
+    """The projectile's line of flight: entry and exit point [m] on the skin, and what flew it.
 
-    `direction` is the unit vector of flight; `exit_point` lies where the line leaves the limb.
+    `direction` is the unit vector of flight; `exit_point` lies where the line leaves the limb,
+    whether the projectile gets there or not. The line of its middle goes through `entry_point`, or
+    where it grazes the limb with its edge only, `beside` [m] it.
     """
 
     entry_point: Vector3
@@ -149,16 +197,18 @@ class ShotLine:
     direction: Vector3
     diameter: float
     speed: float
+    beside: Vector3 = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InjuredLimb:
-    """The limb at the end of the injury simulation; static while it bleeds (as in the paper).
+    """The limb at one time of the injury simulation; static while it bleeds (as in the paper).
 
     `position`, `reference_position` (n, 3) [m] deformed and original; `tissue` (n,);
     `volume` (n,) [m³], of the undeformed points; `damage` (n,) 0-1; `entry_area`, `exit_area`
-    [m²] of the holes in the skin; `injuries` of the arteries, worst first, empty where none is
-    cut; `time` [s] since the projectile touched the skin. `surfaces` as in `LimbModel` (before
+    [m²] of the open holes in the skin, `exit_area` None where the projectile stays inside;
+    `injuries` of the arteries, worst first, empty where none is torn; `time` [s] since the
+    projectile touched the skin. `surfaces` as in `LimbModel` (before
     the injury).
     """
 
@@ -172,7 +222,7 @@ class InjuredLimb:
     injuries: tuple[VesselInjury, ...]
     shot: ShotLine
     entry_area: float
-    exit_area: float
+    exit_area: float | None
     time: float
     steps: int
     particle_steps_per_second: float
@@ -183,6 +233,34 @@ class InjuredLimb:
     def severed_segment(self) -> str | None:
         """The artery that bleeds: the first of `injuries`, or None."""
         return self.injuries[0].artery if self.injuries else None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InjuryOutcome:
+    """The result of the injury stage: the limb's states by name, and the report.
+
+    `states` holds "temporary", the largest cavity, and "permanent", the end; of a run in the mode
+    "paper" there is "permanent" alone. `bleeds_from` names the one that bleeds.
+    """
+
+    states: Mapping[str, InjuredLimb]
+    bleeds_from: str
+    report: WoundReport
+
+    @property
+    def wound(self) -> InjuredLimb:
+        """The state that bleeds and is drawn."""
+        return self.states.get(self.bleeds_from, self.permanent)
+
+    @property
+    def temporary(self) -> InjuredLimb:
+        """The limb when the cavity was largest; the end where only that was kept."""
+        return self.states.get("temporary", self.permanent)
+
+    @property
+    def permanent(self) -> InjuredLimb:
+        """The limb at the end."""
+        return self.states["permanent"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

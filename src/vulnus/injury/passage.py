@@ -1,4 +1,8 @@
-"""One shot through a limb: the paper's section 2.2 from aim to injured geometry."""
+"""One shot through a limb: the paper's section 2.2 from aim to injured geometry, and its collapse.
+
+Two phases: the flight with the tissues' true moduli, then the collapse of the temporary cavity with
+lowered bulk moduli, which takes larger steps. The mode "paper" has the first phase only.
+"""
 
 from __future__ import annotations
 
@@ -8,22 +12,22 @@ from collections.abc import Callable
 
 import numpy as np
 
-from vulnus.core.arrays import AnyArray
+from vulnus.core.arrays import FloatArray
 from vulnus.core.checkpoint import Checkpoint, NoCheckpoint
 from vulnus.core.handoff import (
-    InjuredArtery,
     InjuredLimb,
+    InjuryOutcome,
     LimbModel,
     ParticleFrame,
-    ShotLine,
-    Tissue,
-    VesselInjury,
 )
 from vulnus.core.progress import Progress, SilentProgress
 from vulnus.core.units import MILLISECOND
 
-from . import wound
+from .artery_injuries import artery_report, injured_arteries
+from .materials import slowed
 from .parameters import InjuryParameters
+from .record import RunRecord, Snapshot
+from .report import LimbState, cavity_of, fates_of, open_holes, wound_report
 from .shot_setup import ShotSetup, prepare_shot
 from .solver import set_threads
 
@@ -35,72 +39,109 @@ def shoot(
     on_frame: Callable[[ParticleFrame], None] | None = None,
     checkpoint: Checkpoint | None = None,
     progress: Progress | None = None,
-) -> InjuredLimb:
-    """Shoot the projectile through the limb and return the geometry at `duration`.
+) -> InjuryOutcome:
+    """Shoot the projectile through the limb; the limb's states by name, and the wound report.
 
-    `on_frame` receives the simulated particles every `frame_interval`, in the limb's order, with
-    velocity_m_per_s, displacement_m, damage and tissue. Particles outside of the window are in the
-    result, undeformed. Which artery is cut, and where, is found in the result.
+    `on_frame` receives the simulated particles every `frame_interval`, later every
+    `relaxation_frame_interval`, in the limb's order, with velocity_m_per_s, displacement_m, damage
+    and tissue. Particles outside of the window are in the result, undeformed. Which artery is cut,
+    and where, is found in the result.
     """
-    checkpoint = checkpoint or NoCheckpoint()
-    progress = progress or SilentProgress()
     set_threads(parameters.threads)
     setup = prepare_shot(limb, parameters)
-    wall = _run(
-        limb, parameters, setup, on_frame=on_frame, checkpoint=checkpoint, progress=progress
-    )
-    return _injured_limb(limb, parameters, setup, wall)
+    run = _Run(setup, checkpoint or NoCheckpoint(), on_frame)
+    run.to_the_end(progress or SilentProgress())
+    return _outcome(setup, run.record)
 
 
-def _run(
-    limb: LimbModel,
-    parameters: InjuryParameters,
-    setup: ShotSetup,
-    *,
-    on_frame: Callable[[ParticleFrame], None] | None,
-    checkpoint: Checkpoint,
-    progress: Progress,
-) -> float:
-    """Run to `duration` and return the wall time [s] spent in steps, of all sessions."""
-    solver = setup.solver
-    wall = 0.0
-    saved = checkpoint.load()
-    if saved is not None:
-        solver.restore(saved)
-        wall = float(saved["wall"])
+class _Run:
+    """The solver on its way through both phases, with frames and checkpoints."""
 
-    progress.begin("injury", parameters.end_time / MILLISECOND, "ms")
+    def __init__(
+        self,
+        setup: ShotSetup,
+        checkpoint: Checkpoint,
+        on_frame: Callable[[ParticleFrame], None] | None,
+    ) -> None:
+        self.setup, self.checkpoint, self.on_frame = setup, checkpoint, on_frame
+        self.record = RunRecord(setup.solver, setup.connected)
 
-    def report() -> None:
-        progress.update(solver.time / MILLISECOND, f"{solver.steps} steps")
+    def to_the_end(self, progress: Progress) -> None:
+        """Run from where the checkpoint stands to the last frame."""
+        solver, parameters = self.setup.solver, self.setup.parameters
+        saved = self.checkpoint.load()
+        if saved is not None:
+            if int(saved["record.relaxed"]):
+                solver.change_materials(self._slowed_materials())
+            solver.restore(saved)
+            self.record.resume(saved)
+        progress.begin("injury", parameters.end_time / MILLISECOND, "ms")
 
-    if solver.time == 0.0 and on_frame is not None:
-        on_frame(_frame(limb, setup, 0))
-    begun = solver.time
-    for index, until in _frame_times(parameters):
-        if until <= begun:  # written before the checkpoint that this run goes on from
-            continue
-        while solver.time < until:
-            start = clock.perf_counter()
-            solver.advance_epoch(until, on_call=report)
-            wall += clock.perf_counter() - start
-            if checkpoint.due() and solver.time < until:
-                checkpoint.save({**solver.state(), "wall": wall})
-        if on_frame is not None:
-            on_frame(_frame(limb, setup, index))
-    progress.end()
-    return wall
+        def report() -> None:
+            progress.update(solver.time / MILLISECOND, f"{solver.steps} steps")
+
+        if solver.time == 0.0:
+            self._end_of_frame(0)
+        begun = solver.time
+        for index, until in frame_times(parameters):
+            if until <= begun:  # written before the checkpoint that this run goes on from
+                continue
+            while solver.time < until:
+                self._epoch(until, report)
+            self._end_of_frame(index)
+        progress.end()
+
+    def _epoch(self, until: float, report: Callable[[], None]) -> None:
+        solver, record = self.setup.solver, self.record
+        start = clock.perf_counter()
+        solver.advance_epoch(until, on_call=report)
+        record.wall += clock.perf_counter() - start
+        record.follow(solver)
+        if self._flight_is_over():
+            solver.change_materials(self._slowed_materials())
+            record.relaxed = True
+        if self.checkpoint.due() and solver.time < until:
+            self.checkpoint.save({**solver.state(), **record.entries()})
+
+    def _end_of_frame(self, index: int) -> None:
+        solver = self.setup.solver
+        self.record.note_cavity(solver, cavity_of(self.setup, solver.position).volume)
+        if self.on_frame is not None:
+            self.on_frame(_frame(self.setup, index))
+
+    def _flight_is_over(self) -> bool:
+        """Whether the moduli may be lowered now: every projectile is out, or at rest."""
+        parameters, solver = self.setup.parameters, self.setup.solver
+        if self.record.relaxed or parameters.mode == "paper":
+            return False
+        if parameters.relaxation_sound_speed == 0.0 or solver.time < parameters.phase_one:
+            return False
+        return "inside" not in fates_of(self.setup)
+
+    def _slowed_materials(self) -> FloatArray:
+        return slowed(self.setup.materials, self.setup.parameters.relaxation_sound_speed)
 
 
-def _frame_times(parameters: InjuryParameters) -> list[tuple[int, float]]:
-    """Index and time [s] of every frame after the first; the last one is at `duration`."""
-    count = math.ceil(parameters.end_time / parameters.frame_interval - 1e-9)
-    times = [index * parameters.frame_interval for index in range(1, count)]
-    return list(enumerate([*times, parameters.end_time], start=1))
+def frame_times(parameters: InjuryParameters) -> list[tuple[int, float]]:
+    """Index and time [s] of every frame after the first; the last one is at the end.
+
+    They lie close during `phase_one` (in the mode "paper": all through), and far apart after it.
+    """
+    end = parameters.end_time
+    dense_end = end if parameters.mode == "paper" else min(parameters.phase_one, end)
+    dense = math.ceil(dense_end / parameters.frame_interval - 1e-9)
+    times = [index * parameters.frame_interval for index in range(1, dense)]
+    if 0.0 < dense_end < end:
+        times.append(dense_end)
+    sparse = math.ceil((end - dense_end) / parameters.relaxation_frame_interval - 1e-9)
+    times += [
+        dense_end + index * parameters.relaxation_frame_interval for index in range(1, sparse)
+    ]
+    return list(enumerate([*times, end], start=1))
 
 
-def _frame(limb: LimbModel, setup: ShotSetup, index: int) -> ParticleFrame:
-    solver = setup.solver
+def _frame(setup: ShotSetup, index: int) -> ParticleFrame:
+    limb, solver = setup.limb, setup.solver
     position = solver.position.astype(np.float32)
     return ParticleFrame(
         index=index,
@@ -109,95 +150,52 @@ def _frame(limb: LimbModel, setup: ShotSetup, index: int) -> ParticleFrame:
         point_data={
             "velocity_m_per_s": solver.velocity.astype(np.float32),
             "displacement_m": position - limb.position[setup.simulated],
-            "damage": solver.damage.astype(np.float32),
+            "damage": np.asarray(solver.damage, np.float32),
             "tissue": limb.tissue[setup.simulated],
         },
     )
 
 
+def _outcome(setup: ShotSetup, record: RunRecord) -> InjuryOutcome:
+    last = record.snapshot(setup.solver)
+    named = {"permanent": last}
+    if setup.parameters.mode == "full":
+        named = {"temporary": record.largest or last, "permanent": last}
+    paths = [record.flight(number).position for number in range(len(setup.shots))]
+    end = LimbState.of(setup, last)
+    vessels = artery_report(setup, last, paths, end.damage)
+    return InjuryOutcome(
+        states={
+            name: _injured_limb(setup, snapshot, record=record, paths=paths)
+            for name, snapshot in named.items()
+        },
+        bleeds_from=setup.parameters.bleeds_from,
+        report=wound_report(setup, record, end=end, vessels=vessels),
+    )
+
+
 def _injured_limb(
-    limb: LimbModel, parameters: InjuryParameters, setup: ShotSetup, wall: float
+    setup: ShotSetup, snapshot: Snapshot, *, record: RunRecord, paths: list[FloatArray]
 ) -> InjuredLimb:
-    solver, shot = setup.solver, setup.shot
-    position = np.array(limb.position, np.float32)
-    position[setup.simulated] = solver.position
-    damage = np.zeros(len(position), np.float32)
-    damage[setup.simulated] = solver.damage
-    arteries, injuries = _injured_arteries(limb, parameters, setup, damage)
-    entry_area, exit_area = _hole_areas(limb, parameters, shot, position, damage)
+    limb, solver = setup.limb, setup.solver
+    state = LimbState.of(setup, snapshot)
+    arteries, injuries = injured_arteries(setup, snapshot, paths, state.damage)
+    entry_area, exit_area = open_holes(setup, state)
     return InjuredLimb(
-        position=position,
+        position=state.position,
         reference_position=np.asarray(limb.position, np.float32),
         tissue=limb.tissue,
         volume=limb.volume,
-        damage=damage,
+        damage=state.damage,
         spacing=limb.spacing,
         arteries=arteries,
         injuries=injuries,
-        shot=shot,
+        shot=setup.shot,
         entry_area=entry_area,
-        exit_area=exit_area,
-        time=solver.time,
-        steps=solver.steps,
-        particle_steps_per_second=solver.steps * len(setup.simulated) / max(wall, 1e-9),
+        exit_area=exit_area if fates_of(setup)[0] == "left" else None,
+        time=snapshot.time,
+        steps=snapshot.steps,
+        particle_steps_per_second=solver.steps * len(setup.simulated) / max(record.wall, 1e-9),
         surfaces=limb.surfaces,
         side=limb.side,
     )
-
-
-def _injured_arteries(
-    limb: LimbModel, parameters: InjuryParameters, setup: ShotSetup, damage: AnyArray
-) -> tuple[tuple[InjuredArtery, ...], tuple[VesselInjury, ...]]:
-    moved, gaps = setup.solver.tracers
-    wall = np.flatnonzero(limb.tissue == Tissue.ARTERY)
-    arteries: list[InjuredArtery] = []
-    injuries: list[VesselInjury] = []
-    parts = zip(limb.arteries, setup.stations, setup.tracer_inside, setup.tracer_range, strict=True)
-    for artery, stations, inside, tracers in parts:
-        deformed = stations.points.copy()
-        deformed[inside] = moved[tracers]
-        gap = np.full(len(deformed), np.inf)
-        gap[inside] = gaps[tracers]
-        own_wall = wound.wall_point_damage(
-            stations, limb.position[wall], damage[wall], parameters.grid_spacing
-        )
-        station = wound.station_damage(
-            stations, deformed, gap, own_wall, parameters.artery_failure_stretch
-        )
-        arteries.append(wound.injured_artery(artery, stations, deformed, station))
-        injuries += wound.find_injuries(stations, deformed, station, parameters.damage_threshold)
-    return tuple(arteries), wound.worst_first(injuries)
-
-
-def _hole_areas(
-    limb: LimbModel,
-    parameters: InjuryParameters,
-    shot: ShotLine,
-    position: AnyArray,
-    damage: AnyArray,
-) -> tuple[float, float]:
-    skin = np.flatnonzero(limb.tissue == Tissue.SKIN)
-    if len(skin) == 0:
-        return 0.0, 0.0
-    reference = np.asarray(limb.position[skin], np.float64)
-    destroyed = wound.destroyed_skin(
-        reference,
-        position[skin],
-        damage[skin],
-        spacing=limb.spacing,
-        threshold=parameters.damage_threshold,
-    )
-    # Chosen: far enough for a hole of three calibres, near enough to tell entry from exit.
-    radius = 1.5 * shot.diameter + 3.0 * parameters.grid_spacing
-    entry, exit_ = (
-        wound.hole_area(
-            reference,
-            limb.volume[skin],
-            destroyed,
-            limb.surfaces["skin"],
-            centre=point,
-            radius=radius,
-        )
-        for point in (shot.entry_point, shot.exit_point)
-    )
-    return entry, exit_

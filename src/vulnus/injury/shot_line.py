@@ -19,8 +19,10 @@ def aim(
 ) -> ShotLine:
     """Line of flight through the skin surface of `limb`.
 
-    The line is endless: entry is its first crossing of the skin, exit its last, so that a limb with
-    a fold is crossed whole. Raises `ProjectileError` where it misses, with the distance.
+    Entry is its first crossing of the skin, from `start` on where that is given, exit its last, so
+    that a limb with a fold is crossed whole. Where only the projectile's edge meets the limb, they
+    are the first and the last place of the skin that it touches. Raises `ProjectileError` where it
+    misses, with the distance, and where it starts inside the limb.
     """
     projectile = projectile or ProjectileParameters()
     for name, value in (("diameter", projectile.diameter), ("speed", projectile.speed)):
@@ -36,16 +38,68 @@ def aim(
             "limb", "has no skin surface to aim at", "Check that the label volume holds a limb."
         )
     point = aim_point(limb, aim)
-    direction = flight_direction(aim)
+    direction = _direction_from(aim.start, point) if aim.start else flight_direction(aim)
     crossings = crossing_distances(skin, point, direction)
-    if len(crossings) < 2:
-        _refuse_miss(skin, point, direction, projectile.diameter)
+    if aim.start is not None:
+        begin = float((np.array(aim.start) - point) @ direction)
+        _refuse_bad_start(skin, np.array(aim.start), crossings - begin)
+        crossings = crossings[crossings > begin]
+    if len(crossings) >= 2:
+        first, last = point + crossings[0] * direction, point + crossings[-1] * direction
+        beside = np.zeros(3)
+    else:
+        first, last, beside = _graze(skin, point, direction, projectile.diameter)
     return ShotLine(
-        entry_point=_vector(point + crossings[0] * direction),
-        exit_point=_vector(point + crossings[-1] * direction),
+        entry_point=_vector(first),
+        exit_point=_vector(last),
         direction=_vector(direction),
         diameter=projectile.diameter,
         speed=projectile.speed,
+        beside=_vector(beside),
+    )
+
+
+def line_point(shot: ShotLine) -> FloatArray:
+    """The point (3,) [m] on the line of the projectile's middle that is nearest to the entry."""
+    point: FloatArray = np.asarray(shot.entry_point) + np.asarray(shot.beside)
+    return point
+
+
+def _direction_from(start: Vector3, point: FloatArray) -> FloatArray:
+    """Unit vector (3,) of flight from `start` [m] through the point."""
+    along = point - np.array(start, dtype=np.float64)
+    length = float(np.linalg.norm(along))
+    if not (math.isfinite(length) and length > 0.0):
+        raise ProjectileError(
+            "injury.aim.start",
+            f"{start} gives no direction to the point that is aimed at",
+            "Give another place.",
+        )
+    return np.asarray(along / length)
+
+
+def _refuse_bad_start(skin: TriangleSurface, start: FloatArray, crossings: FloatArray) -> None:
+    """Raise where the limb's crossings [m] from the start on show that it is behind skin.
+
+    An odd number of them lies ahead then; and where all lie behind, it flies away from the limb.
+    """
+    ahead = crossings[crossings > 0.0]
+    if len(crossings) and not len(ahead):
+        raise ProjectileError(
+            "injury.aim.start",
+            f"lies {-float(crossings[-1]) / MILLIMETRE:.1f} mm behind the limb: the projectile "
+            "flies away from the limb",
+            "Put start_mm on the other side.",
+        )
+    distinct = 1 + int(np.count_nonzero(np.diff(ahead) > 1e-9)) if len(ahead) else 0
+    if distinct % 2 == 0:
+        return
+    deep = float(np.min(np.linalg.norm(np.asarray(skin.vertices, np.float64) - start, axis=1)))
+    raise ProjectileError(
+        "injury.aim.start",
+        f"lies inside the limb, about {deep / MILLIMETRE:.1f} mm below the skin: what is there "
+        "already would overlap the projectile",
+        "Put start_mm outside the skin, or leave it out.",
     )
 
 
@@ -127,20 +181,44 @@ def crossing_distances(
     return distance
 
 
-def _refuse_miss(
+def _graze(
     skin: TriangleSurface, point: FloatArray, direction: FloatArray, diameter: float
-) -> None:
-    offset = np.asarray(skin.vertices, np.float64) - point
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """First and last place (3,) [m] of the skin within the projectile's radius of the line.
+
+    And the vector from the first to the line. Raises `ProjectileError` where there is none.
+    """
+    nearest = _nearest_on_edges(skin, point, direction)
+    offset = nearest - point
     along = offset @ direction
-    miss = float(np.min(np.linalg.norm(offset - along[:, None] * direction, axis=1)))
-    radius = 0.5 * diameter
-    how = "grazes the skin with its edge only: its centre passes" if miss < radius else "passes"
-    raise ProjectileError(
-        "injury.aim",
-        f"the projectile {how} {miss / MILLIMETRE:.1f} mm beside the limb "
-        f"(its radius is {radius / MILLIMETRE:.1f} mm)",
-        "Move target_mm into the limb, or turn azimuth_deg, elevation_deg or direction.",
-    )
+    away = offset - along[:, None] * direction
+    distance = np.linalg.norm(away, axis=1)
+    miss, radius = float(distance.min()), 0.5 * diameter
+    if miss >= radius:
+        raise ProjectileError(
+            "injury.aim",
+            f"the projectile passes {miss / MILLIMETRE:.1f} mm beside the limb "
+            f"(its radius is {radius / MILLIMETRE:.1f} mm)",
+            "Move target_mm into the limb, or turn azimuth_deg, elevation_deg or direction.",
+        )
+    touched = np.flatnonzero(distance < radius)
+    first = touched[int(np.argmin(along[touched]))]
+    last = touched[int(np.argmax(along[touched]))]
+    return nearest[first], nearest[last], -away[first]
+
+
+def _nearest_on_edges(
+    skin: TriangleSurface, point: FloatArray, direction: FloatArray
+) -> FloatArray:
+    """The place (3 m, 3) [m] of every triangle's three edges that is nearest to the line."""
+    corner = np.asarray(skin.vertices, np.float64)[skin.triangles]
+    begin = corner.reshape(-1, 3)
+    step = np.roll(corner, -1, axis=1).reshape(-1, 3) - begin
+    flat_begin = (begin - point) - ((begin - point) @ direction)[:, None] * direction
+    flat_step = step - (step @ direction)[:, None] * direction
+    square = np.maximum(np.einsum("ij,ij->i", flat_step, flat_step), 1e-30)
+    where = np.clip(-np.einsum("ij,ij->i", flat_begin, flat_step) / square, 0.0, 1.0)
+    return np.asarray(begin + where[:, None] * step)
 
 
 def _vector(values: FloatArray) -> Vector3:

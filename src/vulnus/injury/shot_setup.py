@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
@@ -14,79 +15,140 @@ from vulnus.core.handoff import LimbModel, ShotLine
 from vulnus.core.units import MILLIMETRE
 
 from . import wound
-from .boundaries import HeldEnds
+from .boundaries import AbsorbingEnds, Boundary, HeldEnds
+from .flying_bodies import body_at_contact
 from .materials import tissue_table
-from .parameters import InjuryParameters
-from .rigid_body import RigidBody
-from .shapes import Sphere
+from .parameters import (
+    InjuryMode,
+    InjuryParameters,
+    ProjectileParameters,
+    ShotParameters,
+    WoundState,
+)
 from .shot_line import aim
 from .solver import MpmSolver
 
 DOMAIN_MARGIN = 0.5
-"""How far [m] a particle may fly out of the limb's box; chosen: 1 ms at 500 m/s."""
+"""How far [m] a particle may fly out of the limb's box in a run of 1 ms; chosen: at 500 m/s."""
+
+POSITIVE = {
+    "grid_spacing": "grid_spacing_mm",
+    "end_time": "duration_ms",
+    "frame_interval": "frame_interval_ms",
+    "relaxation_frame_interval": "relaxation_frame_interval_ms",
+    "bone_modulus_scale": "bone_modulus_scale",
+}
+"""Parameters that must be > 0, and their keys in a scenario."""
+
+FAR_OFF = 1e6
+"""A height [m] that nothing reaches, for the end of a boundary that has one end only."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShotSetup:
-    """A shot ready to run: who is simulated, and the solver before its first step."""
+    """A shot ready to run: the limb, which part of it is simulated, the solver at its first step.
 
+    `simulated` (n,) are the limb's points that the solver holds, in its order; `materials` are the
+    rows of its table. `tracer_range` and `tracer_inside` say for each artery which of the solver's
+    tracers are its `stations`, and which stations have one.
+    """
+
+    limb: LimbModel
+    parameters: InjuryParameters
     solver: MpmSolver
-    shot: ShotLine
+    materials: FloatArray
+    shots: tuple[ShotLine, ...]
     simulated: IndexArray
     stations: tuple[wound.CentrelineStations, ...]
     tracer_range: tuple[slice, ...]
     tracer_inside: tuple[BoolArray, ...]
 
+    @property
+    def shot(self) -> ShotLine:
+        """The first projectile's line."""
+        return self.shots[0]
+
+    @property
+    def projectiles(self) -> tuple[ProjectileParameters, ...]:
+        """The projectiles in the order of `shots` and of the solver's bodies."""
+        others = (shot.projectile for shot in self.parameters.other_shots)
+        return (self.parameters.projectile, *others)
+
+    @property
+    def connected(self) -> BoolArray:
+        """Whether tracers m and m + 1 belong to the same artery."""
+        count = self.tracer_range[-1].stop if self.tracer_range else 0
+        joined = np.ones(max(count - 1, 0), np.bool_)
+        ends = [part.stop - 1 for part in self.tracer_range[:-1]]
+        joined[[end for end in ends if 0 <= end < len(joined)]] = False
+        return joined
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Window:
+    """The part of the limb that is simulated: between `lower` and `upper` [m] along `axis`.
+
+    `cut_below` and `cut_above` say whether the limb goes on beyond.
+    """
+
+    axis: FloatArray
+    lower: float
+    upper: float
+    cut_below: bool
+    cut_above: bool
+
 
 def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
     """Aim, choose the window of the limb around the track, and fill the solver."""
-    _check(parameters)
-    if len(limb.position) == 0:
-        raise AnatomyError("limb", "has no particles", "Check the label volume.")
-    if parameters.grid_spacing < limb.spacing:
-        raise ScenarioError(
-            "injury.grid_spacing_mm",
-            f"is {parameters.grid_spacing / MILLIMETRE:g} mm, less than the points' spacing of "
-            f"{limb.spacing / MILLIMETRE:g} mm",
-            "Use about twice anatomy.particle_spacing_mm, or the tissue falls apart between cells.",
-        )
-    shot = aim(limb, parameters.aim, parameters.projectile)
+    _check(parameters, limb)
+    first = ShotParameters(projectile=parameters.projectile, aim=parameters.aim)
+    flying = (first, *parameters.other_shots)
+    shots = tuple(aim(limb, each.aim, each.projectile) for each in flying)
     position = np.asarray(limb.position, np.float64)
     axis = long_axis(position)
     height = position @ axis
-    lower, upper = window_of(height, shot, axis, parameters.window_length)
-    simulated = np.flatnonzero((height >= lower) & (height <= upper))
-    held = HeldEnds(
-        axis=(float(axis[0]), float(axis[1]), float(axis[2])),
-        lower=lower + parameters.held_length,
-        upper=upper - parameters.held_length,
-    )
+    window = window_of(height, shots, axis, parameters.window_length)
+    simulated = np.flatnonzero((height >= window.lower) & (height <= window.upper))
     inside = position[simulated]
+    materials = tissue_table(
+        parameters.grid_spacing, bone_modulus_scale=parameters.bone_modulus_scale
+    )
+    margin = DOMAIN_MARGIN * max(1.0, parameters.end_time / 1e-3)
     solver = MpmSolver(
-        materials=tissue_table(
-            parameters.grid_spacing, bone_modulus_scale=parameters.bone_modulus_scale
-        ),
+        materials=materials,
         grid_spacing=parameters.grid_spacing,
-        lower=_triple(inside.min(axis=0) - DOMAIN_MARGIN),
-        upper=_triple(inside.max(axis=0) + DOMAIN_MARGIN),
+        lower=_triple(inside.min(axis=0) - margin),
+        upper=_triple(inside.max(axis=0) + margin),
         courant_number=parameters.courant_number,
         gravity=parameters.gravity,
         bodies=[
-            projectile_at_contact(
-                inside,
+            body_at_contact(
+                each.projectile,
                 shot,
-                friction=parameters.projectile.friction,
+                inside,
+                upright=axis,
                 grid_spacing=parameters.grid_spacing,
             )
+            for each, shot in zip(flying, shots, strict=True)
         ],
-        boundaries=[held],
+        boundaries=ends_of(window, parameters),
     )
     solver.set_particles(inside, volume=limb.volume[simulated], material=limb.tissue[simulated])
     stations = tuple(
         wound.resample(artery, 0.5 * parameters.grid_spacing) for artery in limb.arteries
     )
-    tracer_inside, tracer_range = _place_tracers(solver, stations, axis, lower, upper)
-    return ShotSetup(solver, shot, simulated, stations, tracer_range, tracer_inside)
+    tracer_inside, tracer_range = _place_tracers(solver, stations, window)
+    return ShotSetup(
+        limb=limb,
+        parameters=parameters,
+        solver=solver,
+        materials=materials,
+        shots=shots,
+        simulated=simulated,
+        stations=stations,
+        tracer_range=tracer_range,
+        tracer_inside=tracer_inside,
+    )
 
 
 def long_axis(position: FloatArray) -> FloatArray:
@@ -98,68 +160,67 @@ def long_axis(position: FloatArray) -> FloatArray:
 
 
 def window_of(
-    height: FloatArray, shot: ShotLine, axis: FloatArray, window_length: float | None
-) -> tuple[float, float]:
-    """Lower and upper end [m] along the axis of the part that is simulated.
+    height: FloatArray, shots: Sequence[ShotLine], axis: FloatArray, window_length: float | None
+) -> Window:
+    """The part that is simulated, of points at `height` (n,) [m] along the axis.
 
-    The track's own extent along the axis comes on top of `window_length`, so that the holes of an
-    oblique shot keep their distance from the held ends; the limb's ends bound it.
+    The tracks' own extent along the axis comes on top of `window_length`, so that the holes of an
+    oblique shot keep their distance from the window's ends; the limb's ends bound it.
     """
     lowest, highest = float(height.min()), float(height.max())
     if window_length is None:
-        return lowest, highest
-    ends = (float(np.dot(shot.entry_point, axis)), float(np.dot(shot.exit_point, axis)))
+        return Window(axis, lowest, highest, cut_below=False, cut_above=False)
+    ends = [
+        float(np.dot(point, axis))
+        for shot in shots
+        for point in (shot.entry_point, shot.exit_point)
+    ]
     half = 0.5 * window_length
-    return max(lowest, min(ends) - half), min(highest, max(ends) + half)
-
-
-def contact_radius(diameter: float, grid_spacing: float) -> float:
-    """Radius [m] that the grid feels: the projectile's, but never less than 0.9 of a cell.
-
-    A smaller sphere could pass between the nodes, whose cells have a half diagonal of 0.87.
-    """
-    smallest = 0.9 * grid_spacing
-    if 0.5 * diameter < smallest:
-        given, cell, acting = (v / MILLIMETRE for v in (diameter, grid_spacing, 2.0 * smallest))
-        acts = f"{given:.1f} mm on cells of {cell:.1f} mm acts as one of {acting:.1f} mm"
-        warnings.warn(f"a projectile of {acts}", stacklevel=2)
-    return max(0.5 * diameter, smallest)
-
-
-def projectile_at_contact(
-    position: FloatArray, shot: ShotLine, *, friction: float, grid_spacing: float
-) -> RigidBody:
-    """The sphere where it first touches a particle; time begins here."""
-    direction = np.asarray(shot.direction)
-    entry = np.asarray(shot.entry_point)
-    radius = contact_radius(shot.diameter, grid_spacing)
-    offset = position - entry
-    along = offset @ direction
-    beside = np.einsum("ij,ij->i", offset, offset) - along**2
-    near = beside < radius**2
-    start = -radius
-    if np.any(near):
-        start = float(np.min(along[near] - np.sqrt(radius**2 - beside[near])))
-    return RigidBody(
-        shape=Sphere(radius),
-        centre=_triple(entry + start * direction),
-        velocity=_triple(shot.speed * direction),
-        friction=friction,
+    lower, upper = min(ends) - half, max(ends) + half
+    return Window(
+        axis=axis,
+        lower=max(lowest, lower),
+        upper=min(highest, upper),
+        cut_below=lower > lowest,
+        cut_above=upper < highest,
     )
 
 
+def ends_of(window: Window, parameters: InjuryParameters) -> list[Boundary]:
+    """What holds the simulated part: the limb's own ends are held, cut ones absorb waves."""
+    axis, held = _triple(window.axis), parameters.held_length
+    lower, upper = window.lower + held, window.upper - held
+    absorbs_below = window.cut_below and parameters.absorbing_length > 0.0
+    absorbs_above = window.cut_above and parameters.absorbing_length > 0.0
+    ends: list[Boundary] = []
+    if not (absorbs_below and absorbs_above):
+        ends.append(
+            HeldEnds(
+                axis=axis,
+                lower=-FAR_OFF if absorbs_below else lower,
+                upper=FAR_OFF if absorbs_above else upper,
+            )
+        )
+    if absorbs_below or absorbs_above:
+        ends.append(
+            AbsorbingEnds(
+                axis=axis,
+                lower=lower if absorbs_below else -FAR_OFF,
+                upper=upper if absorbs_above else FAR_OFF,
+                thickness=parameters.absorbing_length,
+            )
+        )
+    return ends
+
+
 def _place_tracers(
-    solver: MpmSolver,
-    stations: tuple[wound.CentrelineStations, ...],
-    axis: FloatArray,
-    lower: float,
-    upper: float,
+    solver: MpmSolver, stations: tuple[wound.CentrelineStations, ...], window: Window
 ) -> tuple[tuple[BoolArray, ...], tuple[slice, ...]]:
     inside, ranges, points = [], [], [np.zeros((0, 3))]
     first = 0
     for artery in stations:
-        height = artery.points @ axis
-        within = (height >= lower) & (height <= upper)
+        height = artery.points @ window.axis
+        within = (height >= window.lower) & (height <= window.upper)
         inside.append(within)
         points.append(artery.points[within])
         ranges.append(slice(first, first + int(np.count_nonzero(within))))
@@ -168,14 +229,31 @@ def _place_tracers(
     return tuple(inside), tuple(ranges)
 
 
-def _check(parameters: InjuryParameters) -> None:
-    for name in ("grid_spacing", "end_time", "frame_interval", "bone_modulus_scale"):
+def _check(parameters: InjuryParameters, limb: LimbModel) -> None:
+    if len(limb.position) == 0:
+        raise AnatomyError("limb", "has no particles", "Check the label volume.")
+    if parameters.mode not in get_args(InjuryMode):
+        raise ScenarioError("injury.mode", f"is {parameters.mode!r}", 'Use "full" or "paper".')
+    if parameters.bleeds_from not in get_args(WoundState):
+        raise ScenarioError(
+            "injury.bleeds_from",
+            f"is {parameters.bleeds_from!r}",
+            'Use "permanent" or "temporary".',
+        )
+    _check_lengths(parameters, limb)
+    for name, scenario_key in POSITIVE.items():
         value = getattr(parameters, name)
         if not (math.isfinite(value) and value > 0.0):
             raise ScenarioError(
-                f"injury.{name}",
+                f"injury.{scenario_key}",
                 f"is {value:g} in SI units, must be > 0",
                 "Give a positive number.",
+            )
+    for name in ("phase_one", "relaxation_sound_speed"):
+        value = getattr(parameters, name)
+        if not (math.isfinite(value) and value >= 0.0):
+            raise ScenarioError(
+                f"injury.{name}", f"is {value:g} in SI units, must be >= 0", "Give 0 or more."
             )
     if not 0.0 < parameters.courant_number <= 1.0:
         raise ScenarioError(
@@ -183,13 +261,25 @@ def _check(parameters: InjuryParameters) -> None:
             f"is {parameters.courant_number:g}, must be > 0 and <= 1",
             "Use 0.3 to 0.4.",
         )
+
+
+def _check_lengths(parameters: InjuryParameters, limb: LimbModel) -> None:
+    cell = parameters.grid_spacing
+    if not cell >= limb.spacing:
+        raise ScenarioError(
+            "injury.grid_spacing_mm",
+            f"is {cell / MILLIMETRE:g} mm, less than the points' spacing of "
+            f"{limb.spacing / MILLIMETRE:g} mm",
+            "Use about twice anatomy.particle_spacing_mm, or the tissue falls apart between cells.",
+        )
     window = parameters.window_length
-    if window is not None and not window > 2.0 * parameters.held_length:
+    ends = parameters.held_length + parameters.absorbing_length
+    if window is not None and not window > 2.0 * ends:
         raise ScenarioError(
             "injury.window_length_mm",
-            f"is {window / MILLIMETRE:g} mm, must exceed both held ends "
-            f"({parameters.held_length / MILLIMETRE:g} mm each)",
-            "Use at least five projectile diameters, or 0 for the whole limb.",
+            f"is {window / MILLIMETRE:g} mm, must exceed what both ends take "
+            f"({ends / MILLIMETRE:g} mm each)",
+            "Use at least ten projectile diameters, or 0 for the whole limb.",
         )
 
 

@@ -1,4 +1,4 @@
-"""What the shot did: which arteries are cut and where, and how large the holes in the skin are."""
+"""What the shot did to the arteries: which are torn through or holed, and where."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, Vector3
 from vulnus.core.handoff import (
     ArteryCentreline,
     InjuredArtery,
-    TriangleSurface,
     VesselInjury,
+    VesselKind,
 )
 
 YIELD_SHARE = 0.5
@@ -54,28 +54,57 @@ def resample(artery: ArteryCentreline, spacing: float) -> CentrelineStations:
     )
 
 
-def station_damage(
+def destroyed_wall_share(
     stations: CentrelineStations,
-    deformed: FloatArray,
-    gap: FloatArray,
+    *,
+    stretch: FloatArray,
+    approach: FloatArray,
     wall_damage: FloatArray,
     failure_stretch: float,
 ) -> FloatArray:
-    """Damage (m,) of the arterial wall at every station, 0 intact to 1 destroyed.
+    """Part (m,) of the wall's circumference that is destroyed at every station, 0-1.
 
-    The largest of three: the stretch of the centre-line (from half of the failure strain on, as the
-    wall law softens), the part of the lumen's diameter that the projectile ran through (`gap` [m]
-    is the smallest distance to its surface that the station came to), and `wall_damage` (m,) of the
-    wall's own material points.
+    The largest of three. Stretch: the largest (m - 1,) that the pieces between stations have had,
+    from half of the failure strain on, as the wall law softens, to all of it at failure. Contact:
+    the arc that a straight edge cuts off the circular wall where the projectile's surface has come
+    to within `approach` (m,) [m] of its middle,
+
+        share = arccos(1 - 2 c) / pi,   c = (radius - approach) / (2 radius).
+
+    And `wall_damage` (m,) of the wall's own material points.
     """
-    reference = np.linalg.norm(np.diff(stations.points, axis=0), axis=1)
-    stretch = np.linalg.norm(np.diff(deformed, axis=0), axis=1) / np.maximum(reference, 1e-12)
-    largest = np.maximum(np.append(stretch, 0.0), np.insert(stretch, 0, 0.0))
+    largest = np.maximum(np.append(stretch, 1.0), np.insert(stretch, 0, 1.0))
     strain = np.log(np.maximum(largest, 1e-12)) / np.log(failure_stretch)
-    by_stretch = (strain - YIELD_SHARE) / (1.0 - YIELD_SHARE)
-    by_contact = (stations.radius - gap) / (2.0 * stations.radius)
-    damage: FloatArray = np.clip(np.maximum(by_stretch, by_contact), 0.0, 1.0)
-    return np.maximum(damage, wall_damage)
+    by_stretch = np.clip((strain - YIELD_SHARE) / (1.0 - YIELD_SHARE), 0.0, 1.0)
+    depth = np.clip((stations.radius - approach) / (2.0 * stations.radius), 0.0, 1.0)
+    by_contact = np.arccos(1.0 - 2.0 * depth) / np.pi
+    share: FloatArray = np.maximum(np.maximum(by_stretch, by_contact), wall_damage)
+    return share
+
+
+def swept_approach(stations: CentrelineStations, path: FloatArray, radius: float) -> FloatArray:
+    """Least distance (m,) [m] of the undeformed stations to a tube of `radius` around `path`.
+
+    `path` (k, 3) [m] is the way of the projectile's middle. At ballistic speeds tissue has not
+    moved yet when the projectile's nose arrives, so that a vessel in its way does not slip aside.
+    """
+    if len(path) < 2:
+        return np.full(len(stations.points), np.inf)
+    begin, along = path[:-1], np.diff(path, axis=0)
+    length = np.maximum(np.einsum("ij,ij->i", along, along), 1e-30)
+    nearest = np.full(len(stations.points), np.inf)
+    for start, step, square in zip(begin, along, length, strict=True):
+        offset = stations.points - start
+        where = np.clip(offset @ step / square, 0.0, 1.0)
+        apart = np.linalg.norm(offset - where[:, None] * step, axis=1)
+        nearest = np.minimum(nearest, apart)
+    return nearest - radius
+
+
+def piece_lengths(points: FloatArray) -> FloatArray:
+    """Distances (m - 1,) [m] between successive stations, at least a picometre."""
+    length: FloatArray = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.maximum(length, 1e-12)
 
 
 def wall_point_damage(
@@ -99,40 +128,71 @@ def wall_point_damage(
     return np.where(stations.radius >= grid_spacing, mean, 0.0)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WallThresholds:
+    """Destroyed shares of the wall from which an artery is lacerated, and is transected."""
+
+    lacerated: float
+    transected: float
+
+
 def find_injuries(
-    stations: CentrelineStations, deformed: FloatArray, damage: FloatArray, threshold: float
+    stations: CentrelineStations, deformed: FloatArray, share: FloatArray, limit: WallThresholds
 ) -> list[VesselInjury]:
-    """Every contiguous range of stations whose wall is destroyed (damage >= threshold)."""
-    cut = np.concatenate([[False], damage >= threshold, [False]])
-    edges = np.flatnonzero(cut[1:] != cut[:-1])
-    return [
-        _vessel_injury(stations, deformed, int(first), int(last) - 1)
-        for first, last in zip(edges[::2], edges[1::2], strict=True)
+    """Every contiguous range of stations whose wall is torn through, or holed.
+
+    A holed range that reaches a transection is the torn edge of that, no injury of its own.
+    """
+    torn = share >= limit.transected
+    holed = share >= limit.lacerated
+    found = [
+        _vessel_injury(stations, deformed, share, ends, "transected") for ends in _ranges(torn)
     ]
+    for first, last in _ranges(holed):
+        if not torn[first : last + 1].any():
+            found.append(_vessel_injury(stations, deformed, share, (first, last), "lacerated"))
+    return found
+
+
+def _ranges(chosen: BoolArray) -> list[tuple[int, int]]:
+    """First and last index of every run of chosen stations."""
+    padded = np.concatenate([[False], chosen, [False]])
+    edges = np.flatnonzero(padded[1:] != padded[:-1])
+    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _vessel_injury(
-    stations: CentrelineStations, deformed: FloatArray, first: int, last: int
+    stations: CentrelineStations,
+    deformed: FloatArray,
+    share: FloatArray,
+    ends: tuple[int, int],
+    kind: VesselKind,
 ) -> VesselInjury:
-    """The injury from station `first` to `last`; stumps are the intact stations next to it."""
+    """The injury from station `ends[0]` to `ends[1]`; stumps are the stations next to it."""
+    first, last = ends
     end = len(deformed) - 1
     proximal, distal = max(first - 1, 0), min(last + 1, end)
     arc = stations.arc_length
     begin_arc = 0.5 * (arc[proximal] + arc[first])
     end_arc = 0.5 * (arc[last] + arc[distal])
     middle = 0.5 * (begin_arc + end_arc)
+    radius = float(np.interp(middle, arc, stations.radius))
+    inside = slice(first, last + 1)
+    around = 2.0 * np.pi * float(np.mean(share[inside] * stations.radius[inside]))
     stump_proximal, stump_distal = deformed[proximal], deformed[distal]
     return VesselInjury(
         artery=stations.name,
         arc_length=float(middle),
         arc_fraction=float(middle / arc[-1]),
         gap=float(end_arc - begin_arc),
-        lumen_radius=float(np.interp(middle, arc, stations.radius)),
+        lumen_radius=radius,
         position=_vector(0.5 * (stump_proximal + stump_distal)),
         position_proximal=_vector(stump_proximal),
         position_distal=_vector(stump_distal),
         axis_proximal=_axis(deformed, stations.points, proximal, -1),
         axis_distal=_axis(deformed, stations.points, distal, +1),
+        kind=kind,
+        hole_area=np.pi * radius**2 if kind == "transected" else around * (end_arc - begin_arc),
     )
 
 
@@ -148,8 +208,10 @@ def _axis(deformed: FloatArray, reference: FloatArray, stump: int, inward: int) 
 
 
 def worst_first(injuries: list[VesselInjury]) -> tuple[VesselInjury, ...]:
-    """By lumen area, then by destroyed length."""
-    return tuple(sorted(injuries, key=lambda i: (-i.lumen_radius, -i.gap, i.artery)))
+    """Transections before lacerations, then by lumen area, then by destroyed length."""
+    return tuple(
+        sorted(injuries, key=lambda i: (i.kind != "transected", -i.lumen_radius, -i.gap, i.artery))
+    )
 
 
 def injured_artery(
@@ -163,78 +225,6 @@ def injured_artery(
         radius=np.asarray(artery.radius, np.float64),
         damage=np.ascontiguousarray(damage[stations.original]),
     )
-
-
-def destroyed_skin(
-    reference: AnyArray, position: AnyArray, damage: AnyArray, *, spacing: float, threshold: float
-) -> BoolArray:
-    """Which skin points (n,) are a barrier no more.
-
-    Those with damage >= threshold, and those that the intact skin has left behind: fewer than half
-    as many intact skin points within two spacings as skin points there were (the paper's
-    "sufficiently dispersed").
-    """
-    from scipy.spatial import cKDTree
-
-    failed = np.asarray(damage) >= threshold
-    reach = 2.0 * spacing
-    before = cKDTree(reference).query_ball_point(reference, reach, return_length=True)
-    if not np.any(~failed):
-        return np.ones(len(failed), np.bool_)
-    after = cKDTree(position[~failed]).query_ball_point(position, reach, return_length=True)
-    result: BoolArray = failed | (after < 0.5 * before)
-    return result
-
-
-def hole_area(
-    skin_reference: AnyArray,
-    skin_volume: AnyArray,
-    destroyed: BoolArray,
-    surface: TriangleSurface,
-    *,
-    centre: Vector3,
-    radius: float,
-) -> float:
-    """Area [m²] of the hole in the skin around `centre`, measured on the undeformed skin.
-
-    The share of the skin's volume within `radius` [m] that is destroyed, times the area of the skin
-    surface within that radius; equal to the destroyed volume over the local thickness.
-    """
-    near = np.linalg.norm(skin_reference - np.asarray(centre), axis=1) < radius
-    total = float(np.sum(skin_volume[near], dtype=np.float64))
-    if total == 0.0:
-        return 0.0
-    share = float(np.sum(skin_volume[near & destroyed], dtype=np.float64)) / total
-    return share * surface_area_near(surface, centre, radius)
-
-
-def surface_area_near(surface: TriangleSurface, centre: Vector3, radius: float) -> float:
-    """Area [m²] of a surface within `radius` of `centre`.
-
-    Triangles across the edge are split until they are small against the radius.
-    """
-    corner = np.asarray(surface.vertices, np.float64)[surface.triangles]
-    area = 0.0
-    small = 0.1 * radius
-    while len(corner):
-        middle = corner.mean(axis=1)
-        size = np.max(np.linalg.norm(corner - middle[:, None], axis=2), axis=1)
-        distance = np.linalg.norm(middle - np.asarray(centre), axis=1)
-        inside = (distance < radius) & ((size < small) | (distance + size < radius))
-        edge = np.cross(
-            corner[inside, 1] - corner[inside, 0], corner[inside, 2] - corner[inside, 0]
-        )
-        area += 0.5 * float(np.sum(np.linalg.norm(edge, axis=1)))
-        corner = _split(corner[~inside & (size >= small) & (distance - size < radius)])
-    return area
-
-
-def _split(corner: FloatArray) -> FloatArray:
-    """Every triangle (n, 3, 3) as its four halves."""
-    a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
-    ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
-    parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-    return np.concatenate([np.stack(part, axis=1) for part in parts])
 
 
 def _vector(values: AnyArray) -> Vector3:

@@ -37,7 +37,7 @@ def write_handoff(path: Path, content: object, note: Mapping[str, float | int | 
     with h5py.File(
         path.name, "w", driver="core", backing_store=False, userblock_size=_BLOCK
     ) as file:
-        _encode(file.create_group("content"), content)
+        _encode(file.create_group("content"), content, {})
         file["content"].attrs["note"] = np.array(_flat(note), dtype=h5py.string_dtype())
         file.flush()
         image = file.id.get_file_image()  # without the user block
@@ -84,27 +84,39 @@ def _flat(note: Mapping[str, float | int | str]) -> list[str]:
     return [text for name, value in note.items() for text in (name, str(value))]
 
 
-def _encode(group: Any, value: object) -> None:
+def _encode(group: Any, value: object, written: dict[int, Any]) -> None:
+    """Write `value`; an array that was `written` before, by identity, is linked to."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         group.attrs["kind"] = "dataclass"
         group.attrs["class"] = type(value).__name__
         for item in dataclasses.fields(value):
-            _encode(group.create_group(item.name), getattr(value, item.name))
+            _encode(group.create_group(item.name), getattr(value, item.name), written)
     elif isinstance(value, Mapping):
         group.attrs["kind"] = "mapping"
         for index, (key, item) in enumerate(value.items()):
             child = group.create_group(f"{index:06d}")
             child.attrs["key"] = key
-            _encode(child, item)
+            _encode(child, item, written)
     elif isinstance(value, tuple | list):
         group.attrs["kind"] = "tuple"
         for index, item in enumerate(value):
-            _encode(group.create_group(f"{index:06d}"), item)
+            _encode(group.create_group(f"{index:06d}"), item, written)
     else:
-        _encode_leaf(group, value)
+        _encode_leaf(group, value, written)
 
 
-def _encode_leaf(group: Any, value: object) -> None:
+def _encode_array(group: Any, value: np.ndarray[Any, Any], written: dict[int, Any]) -> None:
+    group.attrs["kind"] = "array"
+    if id(value) in written:
+        group["array"] = written[id(value)]  # a hard link: one array in two states of a limb
+        return
+    options: dict[str, Any] = {}
+    if value.nbytes >= _COMPRESSED_FROM and value.dtype.itemsize == 1:
+        options = {"compression": "gzip", "compression_opts": 1}
+    written[id(value)] = group.create_dataset("array", data=value, **options)
+
+
+def _encode_leaf(group: Any, value: object, written: dict[int, Any]) -> None:
     if value is None:
         group.attrs["kind"] = "none"
     elif isinstance(value, enum.IntEnum):
@@ -112,11 +124,7 @@ def _encode_leaf(group: Any, value: object) -> None:
         group.attrs["class"] = type(value).__name__
         group.attrs["value"] = int(value)
     elif isinstance(value, np.ndarray):
-        group.attrs["kind"] = "array"
-        options: dict[str, Any] = {}
-        if value.nbytes >= _COMPRESSED_FROM and value.dtype.itemsize == 1:
-            options = {"compression": "gzip", "compression_opts": 1}
-        group.create_dataset("array", data=value, **options)
+        _encode_array(group, value, written)
     elif isinstance(value, bool | np.bool_):
         group.attrs["kind"] = "bool"
         group.attrs["value"] = int(value)

@@ -5,7 +5,8 @@
 * `RUN/summary.json`: the numbers of the run
 * `RUN/waveforms.csv`: pressures and flow of the injured artery
 * `RUN/ledger.csv`: what became of the blood
-* `RUN/wound/, RUN/bleed/`: frames (VTKHDF) with an index each
+* `RUN/wound/, RUN/bleed/`: frames (VTKHDF) with an index each; in `wound/` also the states by name,
+  the field of damage and the report's tables
 * `RUN/figures/, film.mp4`: pictures
 * `RUN/checkpoints/`: what each stage handed on, and the newest state of the running one
 """
@@ -20,7 +21,7 @@ from typing import Any, Self, TypeVar
 
 from vulnus import __version__
 from vulnus.core.errors import StorageError
-from vulnus.core.handoff import BleedLedger, BleedWaveforms, ParticleFrame
+from vulnus.core.handoff import BleedLedger, BleedWaveforms, InjuryOutcome, ParticleFrame
 
 from .checkpoint_file import FileCheckpoint
 from .frame_series import FrameSeries
@@ -29,6 +30,7 @@ from .provenance import describe_input, describe_session, now
 from .run_lock import RunLock
 from .tables import LEDGER_COLUMNS, WAVEFORM_COLUMNS, as_csv, read_csv
 from .whole_file import remove_parts, storage_error, write_whole
+from .wound_files import write_wound_files
 
 
 class StageReachedError(Exception):
@@ -223,6 +225,10 @@ class RunStore:
     def save_injury(self, frame: ParticleFrame) -> None:
         """Keep a frame of the passage."""
         self.wound_frames.save(frame)
+
+    def write_wound(self, outcome: InjuryOutcome) -> None:
+        """Write the wound's states, field and tables into `wound/`."""
+        write_wound_files(self.path / "wound", outcome)
 
     def save_bleed(self, frame: ParticleFrame) -> None:
         """Keep a frame of the bleeding."""

@@ -6,31 +6,41 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from vulnus.core.handoff import BleedOutcome, InjuredLimb, VesselInjury
+from vulnus.core.handoff import BleedOutcome, InjuredLimb, InjuryOutcome, VesselInjury
 from vulnus.core.units import (
     MILLILITRE,
     MILLILITRE_PER_MINUTE,
     MILLIMETRE,
     MILLIMETRE_OF_MERCURY,
+    MILLISECOND,
     SQUARE_MILLIMETRE,
 )
+
+from .wound_files import report_numbers
 
 MEGABYTE = 1e6
 
 
 def summarise(
-    wound: InjuredLimb,
+    injury: InjuryOutcome,
     bleeding: BleedOutcome | None,
     cost: Mapping[str, Mapping[str, float]],
 ) -> dict[str, Any]:
     """`wound`, `bleeding` and `cost`; null where a value is not known (yet).
 
+    Of the wound's states, the one that bleeds stands at the top of `wound`, each in `states`.
     Where nothing was cut, `severed_segment` is null and nothing bled: volumes and flows are 0.
 
     `cost` maps a stage to its `wall` [s] and `peak_memory` [byte].
     """
+    wound = injury.wound
     return {
-        "wound": _wound(wound),
+        "wound": {
+            **_wound(wound),
+            "state": injury.bleeds_from if injury.bleeds_from in injury.states else "permanent",
+            "states": {name: _state(limb) for name, limb in injury.states.items()},
+            "report": report_numbers(injury.report),
+        },
         "bleeding": _bleeding(bleeding, bled=bool(wound.injuries)),
         "cost": {
             "wall_s": {stage: round(item["wall"], 3) for stage, item in cost.items()},
@@ -49,7 +59,7 @@ def _wound(wound: InjuredLimb) -> dict[str, Any]:
     return {
         "severed_segment": wound.severed_segment,
         "entry_area_mm2": _finite(wound.entry_area / SQUARE_MILLIMETRE),
-        "exit_area_mm2": _finite(wound.exit_area / SQUARE_MILLIMETRE),
+        "exit_area_mm2": _area(wound.exit_area),
         "injuries": [_injury(injury) for injury in wound.injuries],
         "entry_point_mm": [x / MILLIMETRE for x in wound.shot.entry_point],
         "exit_point_mm": [x / MILLIMETRE for x in wound.shot.exit_point],
@@ -61,14 +71,34 @@ def _wound(wound: InjuredLimb) -> dict[str, Any]:
     }
 
 
+def _state(limb: InjuredLimb) -> dict[str, Any]:
+    return {
+        "time_ms": limb.time / MILLISECOND,
+        "steps": limb.steps,
+        "entry_area_mm2": _area(limb.entry_area),
+        "exit_area_mm2": _area(limb.exit_area),
+    }
+
+
+def _area(area: float | None) -> float | None:
+    return None if area is None else _finite(area / SQUARE_MILLIMETRE)
+
+
 def _injury(injury: VesselInjury) -> dict[str, Any]:
     return {
         "artery": injury.artery,
+        "kind": injury.kind,
+        "hole_area_mm2": injury.hole_area / SQUARE_MILLIMETRE,
         "arc_length_mm": injury.arc_length / MILLIMETRE,
         "arc_fraction": injury.arc_fraction,
         "gap_mm": injury.gap / MILLIMETRE,
         "lumen_radius_mm": injury.lumen_radius / MILLIMETRE,
         "position_mm": [x / MILLIMETRE for x in injury.position],
+        "stumps_mm": [
+            [x / MILLIMETRE for x in stump]
+            for stump in (injury.position_proximal, injury.position_distal)
+        ],
+        "stump_axes": [list(injury.axis_proximal), list(injury.axis_distal)],
     }
 
 

@@ -1,9 +1,10 @@
-"""The bleeding run's signals and volumes as CSV, with the unit in each column's name."""
+"""Signals, volumes and profiles of a run as CSV, with the unit in each column's name."""
 
 from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -37,13 +38,20 @@ Columns = dict[str, tuple[str, float]]
 
 def as_csv(signals: BleedWaveforms | BleedLedger | None, columns: Columns) -> str:
     """The table's text; the header alone where no artery bled."""
+    if signals is None:
+        return table_text(dict.fromkeys(columns, np.zeros(0)))
+    return table_text(
+        {title: getattr(signals, name) / unit for title, (name, unit) in columns.items()}
+    )
+
+
+def table_text(columns: Mapping[str, FloatArray]) -> str:
+    """Columns (n,) by their title as CSV."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    if signals is not None:
-        values = [getattr(signals, name) / unit for name, unit in columns.values()]
-        for row in zip(*values, strict=True):
-            writer.writerow([f"{value:.9g}" for value in row])
+    for row in zip(*columns.values(), strict=True):
+        writer.writerow([f"{value:.9g}" for value in row])
     return text.getvalue()
 
 

@@ -29,7 +29,7 @@ def wound_view(renderer: Renderer, view: LimbView) -> FloatArray:
     cameras = (
         _close_camera(view, shot.entry_point, -flight, (widths[0], height), wound.entry_area),
         section_camera(view, widths[1], height),
-        _close_camera(view, shot.exit_point, flight, (widths[2], height), wound.exit_area),
+        _close_camera(view, shot.exit_point, flight, (widths[2], height), wound.exit_area or 0.0),
     )
     layers = (view.outside, section_layers(view), view.outside)
     names = ("entry", "section along the shot", "exit")

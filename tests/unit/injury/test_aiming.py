@@ -12,7 +12,7 @@ from reference.mpm_limb import cylinder_surface, synthetic_limb
 from vulnus.core.errors import AnatomyError, ProjectileError
 from vulnus.core.handoff import TriangleSurface
 from vulnus.injury import AimParameters, ProjectileParameters, aim
-from vulnus.injury.shot_line import crossing_distances, flight_direction
+from vulnus.injury.shot_line import crossing_distances, flight_direction, line_point
 
 
 @pytest.fixture(scope="module")
@@ -78,9 +78,48 @@ def test_a_miss_says_by_how_much(limb):
     assert error.value.exit_code == 5
 
 
-def test_a_graze_with_the_edge_only_is_refused_as_such(limb):
-    with pytest.raises(ProjectileError, match="grazes"):
-        aim(limb, AimParameters(target=(0.0215, 0.0, 0.0)))
+def test_a_graze_with_the_edge_only_is_a_shot(limb):
+    """The line passes 1.5 mm beside the cylinder, less than the ball's radius of 4.5 mm."""
+    shot = aim(limb, AimParameters(target=(0.0215, 0.0, 0.01)), ProjectileParameters())
+    # 1e-4: the mesh is a prism of 96 sides. The touched arc is that within 4.5 mm of the line.
+    assert np.linalg.norm(shot.beside) < 0.0045
+    assert np.dot(shot.beside, shot.direction) == pytest.approx(0.0, abs=1e-12)
+    assert np.hypot(*shot.entry_point[:2]) == pytest.approx(0.02, abs=1e-4)
+    assert shot.entry_point[0] >= 0.017 - 1e-4
+    assert shot.entry_point[1] < 0.0 < shot.exit_point[1]
+    assert line_point(shot)[[0, 2]] == pytest.approx((0.0215, 0.01), abs=1e-9)
+
+
+def test_the_graze_ends_at_the_radius(limb):
+    """4.4 mm beside is a shot, 4.6 mm beside is a miss that tells the distance."""
+    aim(limb, AimParameters(target=(0.0244, 0.0, 0.0)), ProjectileParameters(diameter=0.009))
+    with pytest.raises(ProjectileError, match=r"4\.6 mm beside the limb .its radius is 4\.5"):
+        aim(limb, AimParameters(target=(0.0246, 0.0, 0.0)), ProjectileParameters(diameter=0.009))
+
+
+def test_a_start_gives_the_direction(limb):
+    aimed = AimParameters(target=(0.0, 0.0, 0.0), start=(0.1, 0.0, 0.0), azimuth=2.0)
+    shot = aim(limb, aimed)
+    assert shot.direction == (-1.0, 0.0, 0.0)
+    assert shot.entry_point[0] == pytest.approx(0.02, abs=1e-4)
+
+
+def test_a_start_on_the_skin_is_a_contact_shot(limb):
+    shot = aim(limb, AimParameters(target=(0.0, 0.0, 0.0), start=(0.0, -0.0205, 0.0)))
+    assert shot.entry_point[1] == pytest.approx(-0.02, abs=1e-4)
+
+
+def test_a_start_inside_the_limb_is_refused_with_the_depth(limb):
+    with pytest.raises(ProjectileError, match=r"inside the limb, about 8\.\d mm") as error:
+        aim(limb, AimParameters(target=(0.0, 0.01, 0.0), start=(0.0, -0.012, 0.0)))
+    assert error.value.subject == "injury.aim.start"
+
+
+def test_a_start_that_is_the_target_or_flies_away_is_refused(limb):
+    with pytest.raises(ProjectileError, match="no direction"):
+        aim(limb, AimParameters(target=(0.1, 0.0, 0.0), start=(0.1, 0.0, 0.0)))
+    with pytest.raises(ProjectileError, match="away from the limb"):
+        aim(limb, AimParameters(target=(0.1, 0.0, 0.0), start=(0.05, 0.0, 0.0)))
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from vulnus.core.handoff import ArteryCentreline, TriangleSurface
-from vulnus.injury import wound
+from vulnus.injury import skin_holes, wound
 
 SPACING = 0.001
+LIMITS = wound.WallThresholds(lacerated=0.1, transected=0.9)
 
 
 def straight_artery(length: float = 0.1, points: int = 11) -> ArteryCentreline:
@@ -30,10 +31,10 @@ def plate(thickness: float = 0.002, half: float = 0.03):
 
 
 def hole_of(x, volume, surface, damage, position=None):
-    destroyed = wound.destroyed_skin(
+    destroyed = skin_holes.destroyed_skin(
         x, x if position is None else position, damage, spacing=SPACING, threshold=0.9
     )
-    return wound.hole_area(x, volume, destroyed, surface, centre=(0.0, 0.0, 0.0), radius=0.02)
+    return skin_holes.hole_area(x, volume, destroyed, surface, centre=(0.0, 0.0, 0.0), radius=0.02)
 
 
 def test_the_area_of_a_round_hole_of_destroyed_skin():
@@ -69,7 +70,7 @@ def test_damage_elsewhere_is_not_counted():
 def test_surface_area_near_a_point_does_not_depend_on_the_triangles():
     """Two large triangles: the disc of 20 mm has 4 pi 1e-4 m²; 2 % by splitting to a tenth."""
     _, _, surface = plate()
-    area = wound.surface_area_near(surface, (0.0, 0.0, 0.0), 0.02)
+    area = skin_holes.surface_area_near(surface, (0.0, 0.0, 0.0), 0.02)
     assert area == pytest.approx(math.pi * 0.02**2, rel=0.02)
 
 
@@ -87,7 +88,7 @@ def test_a_torn_out_length_is_one_injury_with_two_stumps():
     stations = wound.resample(straight_artery(), 0.001)
     deformed = stations.points + np.array([0.005, 0.0, 0.0])
     inside = (stations.arc_length >= 0.04 - 1e-9) & (stations.arc_length <= 0.05 + 1e-9)
-    found = wound.find_injuries(stations, deformed, inside.astype(float), 0.9)
+    found = wound.find_injuries(stations, deformed, inside.astype(float), LIMITS)
     assert len(found) == 1
     injury = found[0]
     assert injury.arc_length == pytest.approx(0.045)
@@ -104,7 +105,7 @@ def test_a_torn_out_length_is_one_injury_with_two_stumps():
 def test_an_artery_torn_to_its_end_has_its_stump_there():
     stations = wound.resample(straight_artery(), 0.001)
     damage = (stations.arc_length > 0.095).astype(float)
-    (injury,) = wound.find_injuries(stations, stations.points, damage, 0.9)
+    (injury,) = wound.find_injuries(stations, stations.points, damage, LIMITS)
     assert injury.position_distal[2] == pytest.approx(-0.1)
     assert np.isfinite(injury.axis_distal).all()
     assert np.linalg.norm(injury.axis_distal) == pytest.approx(1.0)
@@ -112,17 +113,72 @@ def test_an_artery_torn_to_its_end_has_its_stump_there():
 
 def test_an_intact_artery_has_no_injury():
     stations = wound.resample(straight_artery(), 0.001)
-    assert wound.find_injuries(stations, stations.points, np.full(101, 0.89), 0.9) == []
+    assert wound.find_injuries(stations, stations.points, np.full(101, 0.09), LIMITS) == []
+
+
+def share_of(stations, *, stretch=1.0, approach=np.inf, wall=0.0):
+    count = len(stations.points)
+    return wound.destroyed_wall_share(
+        stations,
+        stretch=np.full(count - 1, stretch),
+        approach=np.full(count, approach),
+        wall_damage=np.full(count, wall),
+        failure_stretch=1.6,
+    )
 
 
 @pytest.mark.parametrize(("stretch", "cut"), [(1.0, False), (1.2, False), (1.7, True)])
 def test_stretch_beyond_failure_destroys_the_wall(stretch, cut):
+    share = share_of(wound.resample(straight_artery(), 0.001), stretch=stretch)
+    assert np.all((share >= 0.9) == cut)
+    assert np.all((share >= 0.0) & (share <= 1.0))
+
+
+def test_a_straight_edge_through_the_middle_takes_half_of_the_circumference():
     stations = wound.resample(straight_artery(), 0.001)
-    deformed = stretch * stations.points
-    gap, none = np.full(101, np.inf), np.zeros(101)
-    damage = wound.station_damage(stations, deformed, gap, none, 1.6)
-    assert np.all((damage >= 0.9) == cut)
-    assert np.all((damage >= 0.0) & (damage <= 1.0))
+    assert share_of(stations, approach=0.0) == pytest.approx(np.full(101, 0.5))
+    # At a quarter of the diameter cos(a) = 1/2, so a = 60 of 180 degrees.
+    share = wound.destroyed_wall_share(
+        stations,
+        stretch=np.ones(100),
+        approach=0.5 * stations.radius,
+        wall_damage=np.zeros(101),
+        failure_stretch=1.6,
+    )
+    assert share == pytest.approx(np.full(101, 1.0 / 3.0))
+    assert np.all(share_of(stations, approach=0.0016) == 0.0)  # it passes beside the wall
+    assert np.all(share_of(stations, approach=-0.002) == 1.0)  # it takes all of it
+
+
+def test_a_ball_beside_a_vessel_comes_as_near_as_geometry_says():
+    """A tube of 4 mm around a line 5 mm beside the vessel leaves 1 mm; ends count as rounded."""
+    stations = wound.resample(straight_artery(), 0.001)
+    path = np.array([[0.005, -0.05, -0.05], [0.005, 0.0, -0.05], [0.005, 0.03, -0.05]])
+    near = wound.swept_approach(stations, path, 0.004)
+    assert near[50] == pytest.approx(0.001)
+    assert near[60] == pytest.approx(math.hypot(0.005, 0.010) - 0.004)
+    assert np.all(np.isinf(wound.swept_approach(stations, path[:1], 0.004)))
+
+
+def test_a_part_of_the_wall_gone_is_a_laceration_with_its_area():
+    """A third of the wall over 11 stations of 1 mm: a third of the mantle."""
+    stations = wound.resample(straight_artery(), 0.001)
+    inside = (stations.arc_length >= 0.04 - 1e-9) & (stations.arc_length <= 0.05 + 1e-9)
+    share = np.where(inside, 1.0 / 3.0, 0.0)
+    (injury,) = wound.find_injuries(stations, stations.points, share, LIMITS)
+    assert injury.kind == "lacerated"
+    radius = 0.0015 - 0.45 * 0.0005
+    assert injury.hole_area == pytest.approx(2.0 * math.pi * radius * 0.011 / 3.0, rel=1e-3)
+
+
+def test_torn_edges_belong_to_the_transection():
+    stations = wound.resample(straight_artery(), 0.001)
+    share = np.zeros(101)
+    share[40:51], share[44:47] = 0.3, 1.0
+    (injury,) = wound.find_injuries(stations, stations.points, share, LIMITS)
+    assert injury.kind == "transected"
+    assert injury.gap == pytest.approx(0.003)
+    assert injury.hole_area == pytest.approx(math.pi * injury.lumen_radius**2)
 
 
 def test_wall_points_speak_only_for_a_vessel_that_the_grid_resolves():
@@ -137,6 +193,14 @@ def test_the_worst_injury_is_that_of_the_widest_vessel():
     wide = wound.resample(straight_artery(), 0.001)
     damage = np.zeros(101)
     damage[[10, 80, 81, 82]] = 1.0
-    found = wound.find_injuries(wide, wide.points, damage, 0.9)
+    found = wound.find_injuries(wide, wide.points, damage, LIMITS)
     ordered = wound.worst_first(found)
     assert [round(injury.arc_fraction, 2) for injury in ordered] == [0.1, 0.81]
+
+
+def test_a_transection_is_worse_than_a_laceration_of_a_wider_vessel():
+    stations = wound.resample(straight_artery(), 0.001)
+    share = np.zeros(101)
+    share[5], share[80] = 0.5, 1.0
+    ordered = wound.worst_first(wound.find_injuries(stations, stations.points, share, LIMITS))
+    assert [injury.kind for injury in ordered] == ["transected", "lacerated"]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from reference.injury_outcomes import injury_outcome
 
 from vulnus.core.handoff import (
     ArteryCentreline,
@@ -118,7 +119,8 @@ def test_hand_off_types_come_back(tmp_path: Path) -> None:
         (artery, artery),
         "made up",
     )
-    for index, content in enumerate((labels, injured_limb())):
+    kinds = (labels, injured_limb(), injury_outcome(injured_limb()))
+    for index, content in enumerate(kinds):
         path = tmp_path / f"{index}.h5"
         write_handoff(path, content, {"wall": 1.25})
         back, note = read_handoff(path)
@@ -158,3 +160,16 @@ def test_other_hdf5_tools_open_it(tmp_path: Path) -> None:
 def test_what_cannot_be_kept_is_refused(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="set"):
         write_handoff(tmp_path / "x.h5", {"a": {1, 2}}, {})
+
+
+def test_what_two_states_share_is_written_once(tmp_path: Path) -> None:
+    limb = injured_limb(20_000)
+    moved = dataclasses.replace(limb, position=limb.position + np.float32(0.1))
+    write_handoff(tmp_path / "one.h5", injury_outcome(limb), {})
+    write_handoff(tmp_path / "two.h5", injury_outcome(limb, temporary=moved), {})
+    one, two = ((tmp_path / name).stat().st_size for name in ("one.h5", "two.h5"))
+    # 1 %: the headers of the groups of the second limb.
+    assert two - one == pytest.approx(limb.position.nbytes, rel=0.01)
+    back, _ = read_handoff(tmp_path / "two.h5")
+    assert same(back.temporary, moved)
+    assert same(back.permanent, limb)

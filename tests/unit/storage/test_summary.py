@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from reference.injury_outcomes import injury_outcome
 
 from vulnus.core.handoff import BleedLedger, BleedOutcome, BleedWaveforms
 from vulnus.storage import summarise
@@ -30,7 +31,7 @@ def outcome(duration: float, beats: list[float]) -> BleedOutcome:
 
 
 def test_volumes_and_flows_have_their_units() -> None:
-    summary = summarise(injured_limb(), outcome(2.0, [1e-6, 2e-6, 9e-6]), COST)
+    summary = summarise(injury_outcome(injured_limb()), outcome(2.0, [1e-6, 2e-6, 9e-6]), COST)
     bleeding = summary["bleeding"]
     assert bleeding["injected_ml"] == pytest.approx(2.0)
     assert bleeding["in_limb_ml"] == pytest.approx(1.2)
@@ -46,17 +47,39 @@ def test_volumes_and_flows_have_their_units() -> None:
 
 
 def test_first_and_last_beat_are_those_of_the_stage() -> None:
-    bleeding = summarise(injured_limb(), outcome(2.0, [1e-6, 3e-6, 2e-6]), COST)["bleeding"]
+    bleeding = summarise(injury_outcome(injured_limb()), outcome(2.0, [1e-6, 3e-6, 2e-6]), COST)[
+        "bleeding"
+    ]
     assert bleeding["mean_flow_first_beat_ml_per_min"] == pytest.approx(60.0)
     assert bleeding["mean_flow_last_beat_ml_per_min"] == pytest.approx(120.0)
 
 
 def test_what_is_not_cut_loses_nothing_and_what_has_not_bled_yet_is_not_known() -> None:
     wound = dataclasses.replace(injured_limb(), injuries=())
-    cut = summarise(injured_limb(), outcome(2.0, [1e-6]), COST)["bleeding"]
-    uncut = summarise(wound, None, COST)["bleeding"]
-    not_yet = summarise(injured_limb(), None, COST)["bleeding"]
+    cut = summarise(injury_outcome(injured_limb()), outcome(2.0, [1e-6]), COST)["bleeding"]
+    uncut = summarise(injury_outcome(wound), None, COST)["bleeding"]
+    not_yet = summarise(injury_outcome(injured_limb()), None, COST)["bleeding"]
     assert uncut.keys() == cut.keys() == not_yet.keys()
     assert uncut["injected_ml"] == uncut["mean_flow_last_beat_ml_per_min"] == 0
     assert uncut["mean_pressure_artery_mmhg"] is None
     assert not_yet["injected_ml"] is None
+
+
+def test_both_states_and_the_report_are_told() -> None:
+    """The state that bleeds stands at the top; a part that nothing came near has no distance."""
+    permanent = dataclasses.replace(injured_limb(), entry_area=2e-5, exit_area=None)
+    outcome = injury_outcome(permanent, temporary=injured_limb())
+    wound = summarise(outcome, None, COST)["wound"]
+    assert wound["state"] == "permanent"
+    assert wound["entry_area_mm2"] == pytest.approx(20.0)
+    assert wound["exit_area_mm2"] is None
+    assert wound["states"]["temporary"]["entry_area_mm2"] == pytest.approx(64.0)
+    report = wound["report"]
+    assert report["energy_left_j"] == pytest.approx(20.0)
+    assert report["temporary_cavity_ml"] == pytest.approx(30.0)
+    assert report["permanent_cavity_ml"] == pytest.approx(1.0)
+    assert [vessel["kind"] for vessel in report["arteries"]] == ["transected", "intact"]
+    assert report["arteries"][1]["nearest_distance_mm"] is None
+    assert report["bone"]["fragment_masses_g"] == pytest.approx([1.0])
+    chosen = dataclasses.replace(outcome, bleeds_from="temporary")
+    assert summarise(chosen, None, COST)["wound"]["entry_area_mm2"] == pytest.approx(64.0)

@@ -1,0 +1,88 @@
+"""Pieces of bone that no longer hang together with a main bone.
+
+Two points of bone hang together where both are whole, were neighbours before the shot and have not
+been pulled apart; the connected components of that graph are the pieces.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, IndexArray, Vector3
+from vulnus.core.wound_report import BoneFragment, BoneReport
+
+NEIGHBOUR_REACH = 1.6
+"""Distance of neighbours before the shot over the points' spacing; chosen: the nearest shell of a
+Poisson-disk set, so that a torn layer one point thick parts two pieces."""
+
+PARTED_STRETCH = 1.3
+"""Stretch of a bond that has parted; chosen: ten times the strain at which bone breaks."""
+
+MAIN_SHARE = 0.1
+"""Share of an unbroken bone's mass from which a piece is a main part of it; chosen."""
+
+LEAST_POINTS = 4
+"""Points of the smallest fragment; chosen: fewer have no extent in all three directions."""
+
+
+def bone_report(
+    reference: AnyArray, position: AnyArray, mass: AnyArray, whole: BoolArray, *, spacing: float
+) -> BoneReport:
+    """Fragments of the bone whose points (n, 3) [m] lay at `reference` and now lie at `position`.
+
+    `mass` (n,) [kg]; `whole` (n,) says which points are not destroyed; `spacing` [m] is the least
+    distance of points before.
+    """
+    mass = np.asarray(mass, np.float64)
+    if len(mass) == 0:
+        return BoneReport(mass=0.0, debris_mass=0.0, fragments=())
+    before = np.asarray(reference, np.float64)
+    now = np.asarray(position, np.float64)
+    pairs = _neighbours(before, NEIGHBOUR_REACH * spacing)
+    bone_of = _components(len(mass), pairs)
+    length = np.linalg.norm(before[pairs[:, 0]] - before[pairs[:, 1]], axis=1)
+    apart = np.linalg.norm(now[pairs[:, 0]] - now[pairs[:, 1]], axis=1)
+    holds = whole[pairs].all(axis=1) & (apart < PARTED_STRETCH * np.maximum(length, spacing))
+    piece_of = _components(len(mass), pairs[holds])
+
+    bone_mass = np.bincount(bone_of, mass)
+    members = np.bincount(piece_of, whole.astype(np.float64))
+    piece_mass = np.bincount(piece_of, mass * whole)
+    its_bone = np.zeros(len(piece_mass), np.int64)
+    its_bone[piece_of] = bone_of
+    is_main = piece_mass >= MAIN_SHARE * bone_mass[its_bone]
+    is_fragment = ~is_main & (members >= LEAST_POINTS)
+    fragments = [
+        BoneFragment(
+            mass=float(piece_mass[piece]),
+            position=_middle(now[piece_of == piece], mass[piece_of == piece]),
+            points=int(members[piece]),
+        )
+        for piece in np.flatnonzero(is_fragment)
+    ]
+    return BoneReport(
+        mass=float(mass.sum()),
+        debris_mass=float(mass.sum() - piece_mass[is_main | is_fragment].sum()),
+        fragments=tuple(sorted(fragments, key=lambda piece: (-piece.mass, piece.position))),
+    )
+
+
+def _neighbours(points: FloatArray, reach: float) -> IndexArray:
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(points).query_pairs(reach, output_type="ndarray"), np.int64)
+
+
+def _components(count: int, pairs: IndexArray) -> IndexArray:
+    """Number (count,) of the connected piece that each point belongs to."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, labels = connected_components(links, directed=False)
+    return np.asarray(labels, np.int64)
+
+
+def _middle(points: FloatArray, mass: FloatArray) -> Vector3:
+    x, y, z = (float(c) for c in np.average(points, axis=0, weights=mass))
+    return x, y, z
