@@ -46,13 +46,13 @@ class Case:
         return run  # type: ignore[no-any-return]
 
 
-def stages(places: Sequence[Path] = PLACES) -> tuple[str, ...]:
+def stages(places: Sequence[Path] | None = None) -> tuple[str, ...]:
     """Names of the stages that have validation cases."""
     root = _root(places)
     return tuple(sorted(path.name for path in root.iterdir() if any(path.glob("*/case.py"))))
 
 
-def find_cases(stage: str, places: Sequence[Path] = PLACES) -> tuple[Case, ...]:
+def find_cases(stage: str, places: Sequence[Path] | None = None) -> tuple[Case, ...]:
     """All cases of a stage, in the order of their ids; refused where the stage has none."""
     root = _root(places)
     known = stages(places)
@@ -80,7 +80,8 @@ def chosen_cases(cases: Sequence[Case], ids: Sequence[str]) -> tuple[Case, ...]:
     return tuple(case for case in cases if not wanted or case.id.lower() in wanted)
 
 
-def _root(places: Sequence[Path]) -> Path:
+def _root(places: Sequence[Path] | None) -> Path:
+    places = PLACES if places is None else places
     for place in places:
         if any(place.glob("*/*/case.py")):
             return place

@@ -55,6 +55,6 @@ def _draw_curves(axes: Axes, curves: tuple[Curve, ...]) -> None:
             markersize=4.5,
             linewidth=1.5 if role == "result" else 1.2,
             capsize=3,
-            zorder=3 if role == "result" else 2,
+            zorder=2 if role == "result" else 3,  # a thin dashed reference over a line
         )
     axes.legend(fontsize=8, frameon=False)

@@ -24,7 +24,7 @@ def run(quick: bool, progress: Progress) -> CaseReport:  # noqa: ARG001  seconds
     speed, place = MUSCLE.sound_speed, MUSCLE_CELLS * SPACING
     incident = plateau(result, "muscle", 1.3 * 0.5 * place / speed, 1.45 * place / speed)
     after = plateau(result, "muscle", 1.6 * place / speed, 2.4 * place / speed)
-    through = plateau(result, "bone", 1.6 * place / speed, 2.1 * place / speed)
+    through = plateau(result, "bone", 1.4 * place / speed, 2.0 * place / speed)
     comparisons = (
         Comparison.within(
             "stress of the step", 1e-3 * incident,

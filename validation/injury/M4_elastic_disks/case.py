@@ -10,7 +10,7 @@ from vulnus.validation import CaseReport, Comparison, Curve, Panel
 
 DENSITY, YOUNGS_MODULUS, POISSON_RATIO = 1000.0, 1000.0, 0.3  # [F: PHYSICS 3, M4]
 RADIUS, VELOCITY = 0.2, 0.1  # [m], [m/s] along x and y [F: the same]
-UNTIL = 3.6  # [s] [chosen: long after the bounce at about 1.6 to 2.6 s]
+BOUNCED, UNTIL = 2.6, 3.6  # [s] [chosen: the disks part at 2.4 s and vibrate with 0.5 s]
 SOURCE = "PHYSICS 3, M4"
 
 
@@ -42,8 +42,9 @@ def run(quick: bool, progress: Progress) -> CaseReport:
             source=f"{SOURCE}, APIC",
         ),
         Comparison.at_least(
-            "kinetic energy after the bounce over before", kinetic[-1] / kinetic[0], limit=0.8,
-            unit="1", source=SOURCE,
+            "kinetic energy after the bounce over before",
+            kinetic[result.time > BOUNCED].mean() / kinetic[0],
+            limit=0.8, unit="1", source=f"{SOURCE}; mean over the disks' vibration",
         ),
     )  # fmt: skip
     return CaseReport(comparisons=comparisons, panels=(energy_panel(result, spacing),))
