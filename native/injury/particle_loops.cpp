@@ -11,11 +11,11 @@ namespace vulnus::injury {
 namespace {
 
 template <class T>
-VULNUS_HD void cell_coordinates(const Bundle<T>& b, const BlockIndex& block,
+VULNUS_HD void cell_coordinates(const typename LaneTraits<T>::Real (&x)[3], const BlockIndex& block,
                                 const PassNumbers<T>& n, typename LaneTraits<T>::Real (&cell)[3]) {
   const T corner[3] = {T(block.x * kBlockEdge - 1), T(block.y * kBlockEdge - 1),
                        T(block.z * kBlockEdge - 1)};
-  for (int a = 0; a < 3; ++a) cell[a] = b.x[a] * n.cells_per_metre - corner[a];
+  for (int a = 0; a < 3; ++a) cell[a] = x[a] * n.cells_per_metre - corner[a];
 }
 
 template <class T>
@@ -43,7 +43,7 @@ template <class T>
     std::uint32_t bits = trouble.inverted[i] ? kInvertedElement : kNoFault;
     bool finite = std::isfinite(trouble.stress[i]);
     for (int a = 0; a < 3; ++a) {
-      finite = finite && std::isfinite(b.x[a][i]) && std::isfinite(b.v[a][i]);
+      finite = finite && std::isfinite(b.x[a][i]) && std::isfinite(b.motion.v[a][i]);
       if (b.x[a][i] < n.lower[a] || b.x[a][i] > n.upper[a]) bits |= kLeftDomain;
     }
     if (!finite) bits |= kNotFinite;
@@ -55,56 +55,97 @@ template <class T>
 template <class T>
 VULNUS_HD Trouble<T> trouble_of_step(const Bundle<T>& b, const Stencil<T>& stencil,
                                      const Symmetric3<typename LaneTraits<T>::Real>& kirchhoff,
+                                     typename LaneTraits<T>::Real determinant,
                                      const PassNumbers<T>& n) {
   Trouble<T> t;
   t.stress = kirchhoff.xx + kirchhoff.yy + kirchhoff.zz;
   t.bad = stencil.outside | not_finite<T>(t.stress);
-  Matrix3<typename LaneTraits<T>::Real> increment;
-  for (int i = 0; i < 3; ++i) {
-    t.bad |= ~((b.x[i] >= n.lower[i]) & (b.x[i] <= n.upper[i]));
-    for (int j = 0; j < 3; ++j) increment.m[i][j] = n.dt * b.c.m[i][j];
-  }
-  t.inverted = ~(determinant_of_step(increment) > T(0));
+  for (int i = 0; i < 3; ++i) t.bad |= ~((b.x[i] >= n.lower[i]) & (b.x[i] <= n.upper[i]));
+  t.inverted = ~(determinant > T(0));
   return t;
 }
 
-// Places the stencil of a bundle where its particles are now.
+// Places the stencil of a bundle's positions.
 template <class T>
-VULNUS_HD void place(const Bundle<T>& b, const BlockIndex& block, const PassNumbers<T>& n,
-                     Stencil<T>& stencil) {
+VULNUS_HD void place(const typename LaneTraits<T>::Real (&x)[3], const BlockIndex& block,
+                     const PassNumbers<T>& n, Stencil<T>& stencil) {
   typename LaneTraits<T>::Real cell[3];
-  cell_coordinates(b, block, n, cell);
+  cell_coordinates<T>(x, block, n, cell);
   place_stencil(cell, stencil);
 }
 
-// One bundle: gathers from `around` (unless this begins an epoch), deforms, scatters to `tile`
-// (unless this ends one). Returns the squared sound speeds.
+// Gathers the motion of one bundle from `around`, the tile of nodes of its block.
+template <class T>
+VULNUS_HD void gather_bundle(const ParticleSet<T>& set, const MaterialTable<T>& materials,
+                             std::size_t first, const BlockIndex& block, const T* around,
+                             const PassNumbers<T>& n, int bundle, GatheredBlock<T>& gathered) {
+  using Real = typename LaneTraits<T>::Real;
+  auto load = [&](int field) {
+    return *reinterpret_cast<const Real*>(set.field[field].data() + first);
+  };
+  const Real x[3] = {load(kPosition), load(kPosition + 1), load(kPosition + 2)};
+  typename LaneTraits<T>::Integer index{};
+  for (int i = 0; i < LaneTraits<T>::kWidth; ++i) index[i] = set.material[first + i];
+  const Real weight = load(kVolume) * look_up(materials.column[kVolumeAveraging], index);
+  Stencil<T> stencil;
+  place(x, block, n, stencil);
+  gathered.put(bundle, gather_motion(around, stencil, n), weight);
+}
+
+// Strains one bundle with what it has gathered, or (at an epoch's beginning) takes it as it is;
+// then scatters it to `tile`, or (at an epoch's end) stores its motion. Returns the squared sound
+// speeds.
 template <bool Gather, bool Scatter, class T>
 VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockIndex& block,
-                                                   const T* around, T* tile,
-                                                   const PassNumbers<T>& n, FaultRecord& fault) {
+                                                   int bundle, const GatheredBlock<T>& gathered,
+                                                   T* tile, const PassNumbers<T>& n,
+                                                   FaultRecord& fault) {
   Stencil<T> stencil;
-  place(b, block, n, stencil);
   StressUpdate<typename LaneTraits<T>::Real> stress{};
   Trouble<T> trouble;
   if constexpr (Gather) {
-    gather_velocity(b, around, stencil, n);
-    stress = deform(b, n);
+    gathered.take(bundle, b.motion);
+    const auto increment = increment_of_step(b, gathered.correction(bundle), n);
+    stress = deform(b, increment, n);
     b.store_point();
-    place(b, block, n, stencil);
-    trouble = trouble_of_step(b, stencil, stress.kirchhoff, n);
+    place(b.x, block, n, stencil);
+    trouble = trouble_of_step(b, stencil, stress.kirchhoff, determinant_of_step(increment), n);
   } else {
-    b.load_velocity();
+    place(b.x, block, n, stencil);
+    b.load_motion();
     stress.kirchhoff = resting_kirchhoff(b.material, b.point);
+    const auto& v = b.motion.v;
     trouble.stress = stress.kirchhoff.xx + stress.kirchhoff.yy + stress.kirchhoff.zz;
-    trouble.bad = stencil.outside | not_finite<T>(trouble.stress + b.v[0] + b.v[1] + b.v[2]);
+    trouble.bad = stencil.outside | not_finite<T>(trouble.stress + v[0] + v[1] + v[2]);
   }
   if (any(trouble.bad | trouble.inverted)) report(b, trouble, n, fault);
   if constexpr (Scatter)
     scatter_momentum(b, tile, stencil, stress.kirchhoff, n);
   else
-    b.store_velocity();
+    b.store_motion();
   return stress.sound_speed_squared;
+}
+
+// The two phases of one block. Returns the squared sound speeds.
+template <bool Gather, bool Scatter, class T>
+typename LaneTraits<T>::Real step_block(ParticleSet<T>& set, const MaterialTable<T>& materials,
+                                        int i, const BlockIndex& block, const T* around, T* tile,
+                                        const PassNumbers<T>& n, GatheredBlock<T>& gathered,
+                                        FaultRecord& fault) {
+  const int first = set.first_bundle(i);
+  const int bundles = set.first_bundle(i + 1) - first;
+  auto place_of = [&](int bundle) { return std::size_t(first + bundle) * Bundle<T>::kWidth; };
+  if constexpr (Gather) {
+    for (int k = 0; k < bundles; ++k)
+      gather_bundle(set, materials, place_of(k), block, around, n, k, gathered);
+    gathered.average(set.cell_ends(i), first, bundles);
+  }
+  typename LaneTraits<T>::Real fastest{};
+  for (int k = 0; k < bundles; ++k) {
+    Bundle<T> b(set, place_of(k), materials);
+    fastest = maximum(fastest, step_bundle<Gather, Scatter>(b, block, k, gathered, tile, n, fault));
+  }
+  return fastest;
 }
 
 }  // namespace
@@ -124,17 +165,15 @@ void MpmSolver<T>::particle_pass(double dt, double next_dt) {
   {
     AlignedVector<T> around(kTileValues);
     std::memset(around.data(), 0, kTileValues * sizeof(T));
+    GatheredBlock<T> gathered(Gather ? particles_.largest_block() : 0);
     Real fastest_lane{};
 #pragma omp for schedule(dynamic, 4)
     for (int i = 0; i < grid_.occupied(); ++i) {
       if constexpr (Gather) grid_.load_tile(i, around.data());
       if constexpr (Scatter) std::memset(grid_.tile(i), 0, kTileValues * sizeof(T));
-      for (int k = particles_.first_bundle(i); k < particles_.first_bundle(i + 1); ++k) {
-        Bundle<T> b(particles_, std::size_t(k) * Bundle<T>::kWidth, materials_);
-        const Real speed = step_bundle<Gather, Scatter>(b, grid_.block(i), around.data(),
-                                                        grid_.tile(i), n, fault_);
-        fastest_lane = maximum(fastest_lane, speed);
-      }
+      fastest_lane = maximum(fastest_lane, step_block<Gather, Scatter>(
+                                               particles_, materials_, i, grid_.block(i),
+                                               around.data(), grid_.tile(i), n, gathered, fault_));
     }
     for (int lane = 0; lane < Bundle<T>::kWidth; ++lane)
       fastest = std::max(fastest, fastest_lane[lane]);

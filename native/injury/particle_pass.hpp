@@ -1,10 +1,12 @@
-// What one bundle of particles does in a step, on a tile: gather, move, strain, stress, scatter.
+// What the bundles of particles of a block do in a step, on a tile: gather, average the volume
+// rate, move, strain, stress, scatter.
 #pragma once
 
 #include "core/fault.hpp"
 #include "injury/mpm_solver.hpp"
 #include "injury/stress_update.hpp"
 #include "injury/transfer.hpp"
+#include "injury/volume_averaging.hpp"
 
 namespace vulnus::injury {
 
@@ -18,6 +20,57 @@ struct PassNumbers {
   T lower[3], upper[3];
 };
 
+// Velocity and its gradient.
+template <class R>
+struct Motion {
+  R v[3];
+  Matrix3<R> c;
+};
+
+// What the first phase of a pass leaves to the second: motion, volume rate and its weight of the
+// bundles of one block. One a thread.
+template <class T>
+class GatheredBlock {
+ public:
+  using Real = typename LaneTraits<T>::Real;
+  static constexpr int kWidth = LaneTraits<T>::kWidth;
+
+  explicit GatheredBlock(int bundles)
+      : motion_(std::size_t(bundles) * kMotion * kWidth),
+        rate_(std::size_t(bundles) * kWidth),
+        weight_(std::size_t(bundles) * kWidth) {}
+
+  VULNUS_HD void put(int bundle, const Motion<Real>& m, Real weight) {
+    Real* to = reinterpret_cast<Real*>(motion_.data()) + std::size_t(bundle) * kMotion;
+    for (int i = 0; i < 3; ++i) {
+      to[i] = m.v[i];
+      for (int j = 0; j < 3; ++j) to[3 + 3 * i + j] = m.c.m[i][j];
+    }
+    reinterpret_cast<Real*>(rate_.data())[bundle] = m.c.m[0][0] + m.c.m[1][1] + m.c.m[2][2];
+    reinterpret_cast<Real*>(weight_.data())[bundle] = weight;
+  }
+  VULNUS_HD void take(int bundle, Motion<Real>& m) const {
+    const Real* from =
+        reinterpret_cast<const Real*>(motion_.data()) + std::size_t(bundle) * kMotion;
+    for (int i = 0; i < 3; ++i) {
+      m.v[i] = from[i];
+      for (int j = 0; j < 3; ++j) m.c.m[i][j] = from[3 + 3 * i + j];
+    }
+  }
+  // What the averaging adds to each diagonal entry of a bundle's gradient.
+  VULNUS_HD Real correction(int bundle) const {
+    return reinterpret_cast<const Real*>(rate_.data())[bundle];
+  }
+  void average(const std::int32_t* cell_end, int first_bundle, int bundles) {
+    average_volume_rate(cell_end, first_bundle * kWidth, (first_bundle + bundles) * kWidth,
+                        weight_.data(), rate_.data());
+  }
+
+ private:
+  static constexpr int kMotion = 12;
+  AlignedVector<T> motion_, rate_, weight_;
+};
+
 template <class T>
 struct Bundle {
   using Real = typename LaneTraits<T>::Real;
@@ -27,8 +80,8 @@ struct Bundle {
 
   ParticleSet<T>& set;
   std::size_t first;
-  Real x[3], v[3];
-  Matrix3<Real> c;
+  Real x[3];
+  Motion<Real> motion;
   PointState<Real> point;
   Real volume;
   Material<Real> material;
@@ -61,13 +114,13 @@ struct Bundle {
     material = look_up_material(materials, index);
   }
 
-  VULNUS_HD void load_velocity() {
-    for (int a = 0; a < 3; ++a) v[a] = load(kVelocity + a);
-    for (int a = 0; a < 9; ++a) c.m[a / 3][a % 3] = load(kGradient + a);
+  VULNUS_HD void load_motion() {
+    for (int a = 0; a < 3; ++a) motion.v[a] = load(kVelocity + a);
+    for (int a = 0; a < 9; ++a) motion.c.m[a / 3][a % 3] = load(kGradient + a);
   }
-  VULNUS_HD void store_velocity() {
-    for (int a = 0; a < 3; ++a) store(kVelocity + a, v[a]);
-    for (int a = 0; a < 9; ++a) store(kGradient + a, c.m[a / 3][a % 3]);
+  VULNUS_HD void store_motion() {
+    for (int a = 0; a < 3; ++a) store(kVelocity + a, motion.v[a]);
+    for (int a = 0; a < 9; ++a) store(kGradient + a, motion.c.m[a / 3][a % 3]);
   }
   VULNUS_HD void store_point() {
     for (int a = 0; a < 3; ++a) store(kPosition + a, x[a]);
@@ -120,29 +173,39 @@ VULNUS_HD void scatter_rows(T* tile, const Stencil<T>& s,
 
 // v_p = sum w v_i and C_p = (4/dx^2) sum w v_i (x_i - x_p)^T (PHYSICS 1.4).
 template <class T>
-VULNUS_HD void gather_velocity(Bundle<T>& b, const T* tile, const Stencil<T>& s,
-                               const PassNumbers<T>& n) {
+VULNUS_HD Motion<typename LaneTraits<T>::Real> gather_motion(const T* tile, const Stencil<T>& s,
+                                                             const PassNumbers<T>& n) {
   typename LaneTraits<T>::Real value[16] = {};
+  Motion<typename LaneTraits<T>::Real> motion;
   gather_rows(tile, s, value);
   const T factor = T(4) * n.cells_per_metre;
   for (int i = 0; i < 3; ++i) {
-    b.v[i] = value[1 + i];
+    motion.v[i] = value[1 + i];
     for (int j = 0; j < 3; ++j)
-      b.c.m[i][j] = factor * (value[5 + 4 * j + i] - s.fraction[j] * b.v[i]);
+      motion.c.m[i][j] = factor * (value[5 + 4 * j + i] - s.fraction[j] * motion.v[i]);
   }
+  return motion;
+}
+
+// The step's displacement gradient L; `correction` [1/s] is what the averaging of volume adds.
+template <class T>
+VULNUS_HD Matrix3<typename LaneTraits<T>::Real> increment_of_step(
+    const Bundle<T>& b, typename LaneTraits<T>::Real correction, const PassNumbers<T>& n) {
+  Matrix3<typename LaneTraits<T>::Real> l;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      l.m[i][j] = n.dt * (i == j ? b.motion.c.m[i][j] + correction : b.motion.c.m[i][j]);
+  return l;
 }
 
 // Moves and strains the bundle; its stress, returned to the yield surface.
 template <class T>
-VULNUS_HD StressUpdate<typename LaneTraits<T>::Real> deform(Bundle<T>& b, const PassNumbers<T>& n) {
-  Matrix3<typename LaneTraits<T>::Real> increment;
-  for (int i = 0; i < 3; ++i) {
-    b.x[i] += n.dt * b.v[i];
-    for (int j = 0; j < 3; ++j) increment.m[i][j] = n.dt * b.c.m[i][j];
-  }
+VULNUS_HD StressUpdate<typename LaneTraits<T>::Real> deform(
+    Bundle<T>& b, const Matrix3<typename LaneTraits<T>::Real>& increment, const PassNumbers<T>& n) {
+  for (int i = 0; i < 3; ++i) b.x[i] += n.dt * b.motion.v[i];
   b.point.strain = advance_strain(b.point.strain, increment);
   b.point.network = advance_strain(b.point.network, increment);
-  return update_stress(b.material, equivalent_strain_rate(b.c), b.point);
+  return update_stress(b.material, equivalent_strain_rate(b.motion.c), b.point);
 }
 
 // (mv)_i = sum w (m v + A (x_i - x_p)) with A = m C - dt (4/dx^2) V0 tau (PHYSICS 1.4).
@@ -159,9 +222,9 @@ VULNUS_HD void scatter_momentum(const Bundle<T>& b, T* tile, const Stencil<T>& s
   Real value[16] = {};
   value[0] = mass;
   for (int i = 0; i < 3; ++i) {
-    value[1 + i] = mass * b.v[i];
+    value[1 + i] = mass * b.motion.v[i];
     for (int j = 0; j < 3; ++j) {
-      const Real affine = inertia * b.c.m[i][j] + impulse * tau[i][j];
+      const Real affine = inertia * b.motion.c.m[i][j] + impulse * tau[i][j];
       value[5 + 4 * j + i] = affine;
       value[1 + i] -= affine * s.fraction[j];
     }

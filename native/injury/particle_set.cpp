@@ -92,6 +92,7 @@ void ParticleSet<T>::assign_places(const BlockGrid<T>& grid) {
   for (const std::uint64_t key : key_)
     if (key != kNoKey) ++cells_of(key)[key & 63];
   first_bundle_.assign(grid.occupied() + 1, 0);
+  largest_block_ = 0;
   int place = 0;
   for (int i = 0; i < grid.occupied(); ++i) {
     for (int c = 0; c < kBlockNodes; ++c) {
@@ -101,6 +102,7 @@ void ParticleSet<T>::assign_places(const BlockGrid<T>& grid) {
     }
     place = (place + kWidth - 1) / kWidth * kWidth;
     first_bundle_[i + 1] = place / kWidth;
+    largest_block_ = std::max(largest_block_, first_bundle_[i + 1] - first_bundle_[i]);
   }
   source_.assign(place, -1);
   last = kNoKey;

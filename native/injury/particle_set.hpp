@@ -40,6 +40,12 @@ class ParticleSet {
   int places() const { return static_cast<int>(id.size()); }
   // The first bundle of block i; blocks end where the next begins.
   int first_bundle(int i) const { return first_bundle_[i]; }
+  // The most bundles of a block.
+  int largest_block() const { return largest_block_; }
+  // Of each cell of block i the place behind its last point, as sorted.
+  const std::int32_t* cell_ends(int i) const {
+    return cell_place_.data() + std::size_t(i) * kBlockNodes;
+  }
   std::size_t memory_bytes() const;
 
   AlignedVector<T> field[kParticleFields];
@@ -53,6 +59,7 @@ class ParticleSet {
   void permute();
 
   int count_ = 0;
+  int largest_block_ = 0;
   std::vector<std::int32_t> first_bundle_;
   AlignedVector<std::uint64_t> key_;    // block << 6 | cell; all ones for a place without a point
   AlignedVector<std::int32_t> source_;  // for every new place: where its point stands now

@@ -170,6 +170,18 @@ def stencil(x: np.ndarray, dx: float) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return node.astype(int), weight, node * dx - x[:, None, :]
 
 
+def averaged_rate(c: np.ndarray, x: np.ndarray, dx: float, weight: np.ndarray) -> np.ndarray:
+    """`c` with its trace averaged over the points that share a base node, by `weight` (n,)."""
+    base = np.floor(x / dx - 0.5).astype(int)
+    _, group = np.unique(base, axis=0, return_inverse=True)
+    group = group.ravel()
+    trace = np.trace(c, axis1=1, axis2=2)
+    volume = np.bincount(group, weight)
+    mean = np.bincount(group, weight * trace) / np.where(volume > 0, volume, 1.0)
+    change = np.where(weight > 0, mean[group] - trace, 0.0)
+    return c + change[:, None, None] / 3.0 * np.eye(3)
+
+
 def step(
     s: TwinState,
     *,
@@ -199,7 +211,7 @@ def step(
     local = grid_v[flat]
     v = np.einsum("nk,nki->ni", weight, local)
     c = 4.0 / dx**2 * np.einsum("nk,nki,nkj->nij", weight, local, arm)
-    f = np.eye(3) + dt * c
+    f = np.eye(3) + dt * averaged_rate(c, s.x, dx, volume * m["volume_averaging"])
     b = np.einsum("nij,njk,nlk->nil", f, s.b, f)
     network = np.einsum("nij,njk,nlk->nil", f, s.network, f)
     damage = np.maximum(s.damage, network_damage(m, network))
