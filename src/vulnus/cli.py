@@ -35,6 +35,8 @@ app = App(
 )
 scenario_app = App(name="scenario", help="List and print scenarios.")
 app.command(scenario_app)
+gallery_app = App(name="gallery", help="Make the pictures of the handbook anew.")
+app.command(gallery_app)
 
 RunDirectory = Annotated[
     Path | None,
@@ -164,6 +166,38 @@ def validate(
     console = _console()
     with _stoppable(f"vulnus validate {stage}"):
         return run_validation(wishes, _progress(console), console)
+
+
+@gallery_app.command(name="injury")
+def draw_injury(
+    *,
+    output: RunDirectory = None,
+    labels: Annotated[
+        Path | None, Parameter(help="A label volume to shoot beside the built-in leg.")
+    ] = None,
+    mode: Annotated[str | None, Parameter(help="full or paper; the preset's is full.")] = None,
+    grid_spacing_mm: Annotated[
+        float | None, Parameter(help="Edge of a grid cell [mm]; the preset's is 2.")
+    ] = None,
+) -> None:
+    """Shoot the built-in leg (and a label volume) and draw the paper's Figs. 2 and 3 of it.
+
+    Pictures are passage_NAME.jpg (Fig. 2), wound_NAME.jpg (Fig. 3) and report_NAME.png; the runs
+    stay below in runs/, and the command goes on with what is finished there.
+    """
+    from vulnus.gallery import GalleryWishes, injury_gallery
+    from vulnus.terminal import notes_said
+
+    directory = output or Path("runs/gallery")
+    spacing = None if grid_spacing_mm is None else grid_spacing_mm * MILLIMETRE
+    wishes = GalleryWishes(labels=labels, mode=mode, grid_spacing=spacing)
+    console = _console()
+    with (
+        _stoppable("the same command"),
+        notes_said(_speaker(console)),
+    ):
+        for path in injury_gallery(directory, wishes, _progress(console), _speaker(console)):
+            print(path)
 
 
 @scenario_app.command(name="list")

@@ -229,6 +229,8 @@ def _draw(scenario: Scenario, store: RunStore, progress: Progress, say: Say) -> 
     blood, platform = scenario.hemorrhage, scenario.hemorrhage.platform
     run = visualization.RunToDraw(
         wound=wound,
+        report=outcome.report,
+        projectiles=injury.projectile_surfaces(scenario.injury),
         surroundings=visualization.Surroundings(
             gravity=blood.gravity,
             platform_gap=platform.gap if platform else None,
@@ -238,8 +240,8 @@ def _draw(scenario: Scenario, store: RunStore, progress: Progress, say: Say) -> 
         labels=store.load_stage("imaging", LabelVolume),
         beat=store.load_stage("circulation", BleedWaveforms),
         outcome=store.load_stage("hemorrhage", BleedOutcome),
-        injury_frames=_on_demand(store.wound_frames),
-        bleed_frames=_on_demand(store.bleed_frames) if wound.injuries else (),
+        injury_frames=frames_on_demand(store.wound_frames),
+        bleed_frames=frames_on_demand(store.bleed_frames) if wound.injuries else (),
         blood_spacing=blood.particle_spacing,
     )
     try:
@@ -251,7 +253,8 @@ def _draw(scenario: Scenario, store: RunStore, progress: Progress, say: Say) -> 
     return tuple(str(path) for path in drawn.files)
 
 
-def _on_demand(series: FrameSeries) -> visualization.Frames:
+def frames_on_demand(series: FrameSeries) -> visualization.Frames:
+    """The frames in files, each read when it is asked for."""
     indices = list(series.times())
     return visualization.FramesOnDemand(len(indices), lambda place: series.load(indices[place]))
 

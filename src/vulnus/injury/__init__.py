@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from .attitude import attitude
+from .body_surface import projectile_surfaces
 from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall
 from .combined_solids import (
     ClosedSurface,
@@ -98,6 +99,7 @@ __all__ = [
     "material",
     "neo_hookean",
     "projectile",
+    "projectile_surfaces",
     "rotation_about",
     "shoot",
     "von_mises",

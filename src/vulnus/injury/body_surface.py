@@ -7,9 +7,17 @@ import numpy as np
 from vulnus.core.handoff import TriangleSurface
 from vulnus.geometry import LevelSet
 
+from .flying_bodies import shape_of
+from .parameters import InjuryParameters
 from .shapes import Shape, Sphere
 
 _SPHERE_VOXELS = 10  # of a radius; chosen: round to the eye at any size
+
+
+def projectile_surfaces(parameters: InjuryParameters) -> tuple[TriangleSurface, ...]:
+    """The surface of each projectile of a run in its body's frame, in the order of its frames."""
+    others = (shot.projectile for shot in parameters.other_shots)
+    return tuple(body_surface(shape_of(one)) for one in (parameters.projectile, *others))
 
 
 def body_surface(shape: Shape) -> TriangleSurface:

@@ -153,6 +153,10 @@ def _frame(setup: ShotSetup, index: int) -> ParticleFrame:
             "damage": np.asarray(solver.damage, np.float32),
             "tissue": limb.tissue[setup.simulated],
         },
+        frame_data={
+            "projectile_position_m": np.array([body.position for body in solver.bodies]),
+            "projectile_rotation": np.array([body.rotation.ravel() for body in solver.bodies]),
+        },
     )
 
 

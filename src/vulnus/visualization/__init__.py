@@ -5,7 +5,7 @@
 
 from .draw import Drawn, RunToDraw, draw_all
 from .frames import Frames, FramesOnDemand
-from .injury_gallery import draw_injury_gallery
+from .injury_gallery import InjuryToDraw, draw_injury_gallery
 from .parameters import (
     BloodSurfaceParameters,
     FilmParameters,
@@ -20,6 +20,7 @@ __all__ = [
     "FilmParameters",
     "Frames",
     "FramesOnDemand",
+    "InjuryToDraw",
     "RunToDraw",
     "Surroundings",
     "VisualizationParameters",

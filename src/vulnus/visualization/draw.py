@@ -14,6 +14,7 @@ from ..core.handoff import (
     InjuredLimb,
     LabelVolume,
     TriangleSurface,
+    WoundReport,
 )
 from ..core.progress import Progress, SilentProgress
 from .figure_style import save_figure
@@ -28,6 +29,7 @@ from .pipeline_figure import PipelineStations, pipeline_figure
 from .render import Renderer
 from .stills import bleed_view, wound_view
 from .surface import blood_surface, empty_surface
+from .wound_figures import wound_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,10 +42,13 @@ _FILM_VOXEL_RATIO = 0.9  # chosen: at 640 px a coarser mesh cannot be told from 
 class RunToDraw:
     """The results of a run that can be drawn; what a run did not reach stays None or empty.
 
-    `beat` is one heartbeat of the tree (Fig. 4), `blood_spacing` [m] the blood particles' own.
+    `beat` is one heartbeat of the tree (Fig. 4), `blood_spacing` [m] the blood particles' own;
+    `projectiles` are the surfaces of what flew, in their own frames, mass centre at 0.
     """
 
     wound: InjuredLimb
+    report: WoundReport | None = None
+    projectiles: tuple[TriangleSurface, ...] = ()
     surroundings: Surroundings = field(default_factory=Surroundings)
     labels: LabelVolume | None = None
     beat: BleedWaveforms | None = None
@@ -121,7 +126,7 @@ def draw_figures(
 
 def _possible_figures(run: RunToDraw) -> dict[str, Callable[[], Figure]]:
     artery = run.wound.severed_segment or "anterior_tibial"
-    beat, outcome, labels = run.beat, run.outcome, run.labels
+    beat, outcome, labels, report = run.beat, run.outcome, run.labels, run.report
     figures: dict[str, Callable[[], Figure]] = {}
     if beat is not None:
         figures["cycle"] = lambda: cycle_figure(beat, artery=artery)
@@ -132,8 +137,10 @@ def _possible_figures(run: RunToDraw) -> dict[str, Callable[[], Figure]]:
     if len(run.injury_frames) > 0:
         chosen = spread_indices(len(run.injury_frames), _PASSAGE_ROWS)
         figures["passage"] = lambda: passage_figure(
-            run.wound, [run.injury_frames[index] for index in chosen]
+            run.wound, [run.injury_frames[index] for index in chosen], run.projectiles
         )
+    if report is not None:
+        figures["wound_report"] = lambda: wound_figure(report)
     if labels is not None:
         figures["slices"] = lambda: slices_figure(labels)
     return figures
@@ -169,7 +176,12 @@ def _draw_stills(
 
 
 def _draw_film(run: RunToDraw, renderer: Renderer, directory: Path, bar: Progress) -> Path:
-    view = view_limb(run.wound, run.surroundings, voxel_ratio=_FILM_VOXEL_RATIO)
+    view = view_limb(
+        run.wound,
+        run.surroundings,
+        voxel_ratio=_FILM_VOXEL_RATIO,
+        projectiles=run.projectiles,
+    )
     return make_film(
         directory / "film.mp4",
         renderer,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.arrays import FloatArray
-from ..core.handoff import InjuredLimb, ParticleFrame, ShotLine, Tissue
+from ..core.handoff import InjuredLimb, ParticleFrame, ShotLine, Tissue, TriangleSurface
 from ..core.units import MILLISECOND
 from .camera import Camera, frame_points
 from .caption import scale_bar, write_text
@@ -17,7 +17,7 @@ from .limb_view import triple
 from .particle_balls import FIGURE_2_LIGHT, ball_surface, seen_from
 from .particle_figures import shot_axes, shot_middle
 from .picture import Picture, to_srgb
-from .projectile_view import projectile_surface
+from .projectile_view import projectiles_in
 from .render import Layer, Renderer, Studio, develop
 from .sheet import LegendEntry, compose
 from .surface import TissuePoints
@@ -108,7 +108,10 @@ class ShotScene:
 
 
 def impact_picture(
-    renderer: Renderer, wound: InjuredLimb, frames: Sequence[ParticleFrame]
+    renderer: Renderer,
+    wound: InjuredLimb,
+    frames: Sequence[ParticleFrame],
+    projectiles: Sequence[TriangleSurface] = (),
 ) -> Picture:
     """The paper's Fig. 2: one row an instant, left from the side and cut open, right the back.
 
@@ -122,13 +125,14 @@ def impact_picture(
     rows = []
     for frame in frames:
         points, reference = points_in_passage(frame, wound)
+        bodies = projectiles_in(frame, wound.shot, projectiles)
         offset = points.position - scene.middle.astype(np.float32)
         ahead = offset @ scene.flight - exit_
         near = (np.abs(offset @ scene.up) < 1.6 * half_height) & (ahead < _FARTHEST)
         far_half = (reference - scene.middle.astype(np.float32)) @ scene.across < 0.0
         panels = []
         for camera, shown in ((side, near & far_half), (back, near & (offset @ scene.flight > 0))):
-            light = _trace(renderer, scene, camera, points.only(shown), frame.time)
+            light = _trace(renderer, scene, camera, points.only(shown), bodies)
             panels.append(scale_bar(light, camera, length=0.02, letter=_LETTER))
         time = f"t = {frame.time / MILLISECOND:.2f} ms"
         panels[0] = write_text(panels[0], time, "top_right", letter=_LETTER)
@@ -136,9 +140,14 @@ def impact_picture(
     tissues = [one for one in _NAMES if np.any(wound.tissue == one)]
     return compose(
         rows,
-        titles=("side view, the near half cut away", "back view (exit)"),
+        titles=("side view, the near half cut away", back_title(wound)),
         legend=[LegendEntry(FIGURE_2_LIGHT[one], _NAMES[one]) for one in tissues],
     )
+
+
+def back_title(wound: InjuredLimb) -> str:
+    """What the view against the flight shows."""
+    return "back view (exit)" if wound.exit_area is not None else "back view (no exit)"
 
 
 def instants(times: Sequence[float], shot: ShotLine, *, turning: float) -> list[int]:
@@ -156,16 +165,20 @@ def instants(times: Sequence[float], shot: ShotLine, *, turning: float) -> list[
 
 
 def _trace(
-    renderer: Renderer, scene: ShotScene, camera: Camera, points: TissuePoints, time: float
+    renderer: Renderer,
+    scene: ShotScene,
+    camera: Camera,
+    points: TissuePoints,
+    bodies: Sequence[TriangleSurface],
 ) -> FloatArray:
-    """The points as balls with the projectile, in linear light."""
+    """The points as balls with the projectiles, in linear light."""
     right, up, _ = camera.axes
     balls = ball_surface(points.only(seen_from(points, right, up)))
     layers = [Layer(balls, "tissue")]
-    ball = projectile_surface(scene.wound.shot, time)
-    flown = float(np.max((ball.vertices - scene.middle) @ scene.flight)) - scene.ends[1]
-    if flown < _FARTHEST:
-        layers.append(Layer(ball, "projectile"))
+    for body in bodies:
+        flown = float(np.max((body.vertices - scene.middle) @ scene.flight)) - scene.ends[1]
+        if flown < _FARTHEST:
+            layers.append(Layer(body, "projectile"))
     arranged = renderer.arrange(layers, scene.studio, camera)
     light = renderer.render(arranged, camera, samples=renderer.parameters.samples)
     for layer in layers:

@@ -12,7 +12,7 @@ from ..core.handoff import InjuredLimb
 from ..core.units import MILLISECOND
 from .camera import Camera, frame_points, frame_sphere, unit
 from .caption import scale_bar, write_text
-from .impact_view import ShotScene
+from .impact_view import ShotScene, back_title
 from .limb_view import LimbView, view_limb
 from .parameters import Surroundings
 from .picture import Picture, to_srgb
@@ -48,9 +48,8 @@ def injured_picture(
         label = f"{what}t = {wound.time / MILLISECOND:.1f} ms"
         panels[0] = write_text(panels[0], label, letter=_LETTER)
         rows.append([to_srgb(panel) for panel in panels])
-    return compose(
-        rows, titles=("front view (entry)", "section along the shot", "back view (exit)")
-    )
+    back = back_title(next(iter(states.values())))
+    return compose(rows, titles=("front view (entry)", "section along the shot", back))
 
 
 def _panel(renderer: Renderer, view: LimbView, camera: Camera, layers: list[Layer]) -> FloatArray:

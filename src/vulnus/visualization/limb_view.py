@@ -26,8 +26,8 @@ class LimbView:
     """The injured limb ready to be drawn.
 
     `level_set` is the tissue's signed distance, `tissue` its coloured surface, `bone` and
-    `arteries` the inside; `up` is against gravity, `long_axis` the limb's, `jet` the way blood
-    leaves (unit vectors, (3,)).
+    `arteries` the inside, `projectiles` what flew, each in its own frame; `up` is against gravity,
+    `long_axis` the limb's, `jet` the way blood leaves (unit vectors, (3,)).
     """
 
     wound: InjuredLimb
@@ -39,6 +39,7 @@ class LimbView:
     long_axis: FloatArray
     jet: FloatArray
     studio: Studio
+    projectiles: tuple[TriangleSurface, ...] = ()
 
     @property
     def outside(self) -> list[Layer]:
@@ -88,7 +89,11 @@ class LimbView:
 
 
 def view_limb(
-    wound: InjuredLimb, surroundings: Surroundings, *, voxel_ratio: float = 0.5
+    wound: InjuredLimb,
+    surroundings: Surroundings,
+    *,
+    voxel_ratio: float = 0.5,
+    projectiles: tuple[TriangleSurface, ...] = (),
 ) -> LimbView:
     """Build meshes and studio for an injured limb; some seconds for a million points.
 
@@ -115,6 +120,7 @@ def view_limb(
         long_axis=long_axis,
         jet=unit(wound.shot.direction),
         studio=Studio(triple(centre), radius, triple(up), platform),
+        projectiles=projectiles,
     )
 
 

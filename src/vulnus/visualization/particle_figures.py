@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..core.arrays import AnyArray, FloatArray
-from ..core.handoff import InjuredLimb, LabelVolume, ParticleFrame, Tissue
+from ..core.handoff import InjuredLimb, LabelVolume, ParticleFrame, Tissue, TriangleSurface
 from ..core.units import MILLIMETRE, MILLISECOND
 from .camera import unit
 from .figure_style import FIGURE_2_COLOURS, INK, bare_axes, linear_colour, new_figure
 from .frames import points_in_passage
+from .projectile_view import projectiles_in
 from .surface import TissuePoints
 
 if TYPE_CHECKING:
@@ -23,17 +24,23 @@ _REACH = 0.055  # m along the limb on each side of the shot; chosen: the paper's
 _AHEAD = 0.075  # m behind the limb that the side view shows, where torn tissue flies
 
 
-def passage_figure(wound: InjuredLimb, frames: Sequence[ParticleFrame]) -> Figure:
+def passage_figure(
+    wound: InjuredLimb,
+    frames: Sequence[ParticleFrame],
+    projectiles: Sequence[TriangleSurface] = (),
+) -> Figure:
     """The paper's Fig. 2: one row an instant, from the side and from the exit's side.
 
-    The side view shows the half of the limb behind the shot, so that the tract can be seen.
+    The side view shows the half of the limb behind the shot, so that the tract can be seen, and
+    the `projectiles` (surfaces in their own frames) where the frame says.
     """
     rows = max(1, len(frames))
     figure = new_figure(8.6, 3.0 * rows)
     grid = figure.subplots(rows, 2, squeeze=False, width_ratios=[1.65, 1.0])
     for row, frame in zip(grid, frames, strict=False):
         points, reference = points_in_passage(frame, wound)
-        shot_side_view(row[0], wound, points, reference, time=frame.time)
+        bodies = projectiles_in(frame, wound.shot, projectiles)
+        shot_side_view(row[0], wound, points, reference, bodies=bodies)
         shot_back_view(row[1], wound, points)
         text = f"t = {frame.time / MILLISECOND:.2f} ms"
         row[0].text(0.99, 0.97, text, transform=row[0].transAxes, ha="right", va="top", color=INK)
@@ -48,9 +55,9 @@ def shot_side_view(
     points: TissuePoints,
     reference: AnyArray,
     *,
-    time: float | None = None,
+    bodies: Sequence[TriangleSurface] = (),
 ) -> None:
-    """Points of the far half, seen across the shot; with `time` [s] also the projectile."""
+    """Points of the far half, seen across the shot, and the outlines of `bodies`."""
     flight, upward, across = shot_axes(wound)
     middle = shot_middle(wound)
     behind = (reference - middle) @ across
@@ -58,16 +65,18 @@ def shot_side_view(
     draw_points(axes, points.only(shown), middle, flight, upward)
     ends = (np.array([wound.shot.entry_point, wound.shot.exit_point]) - middle) @ flight
     axes.set_xlim((ends.min() - 0.02) / MILLIMETRE, (ends.max() + _AHEAD) / MILLIMETRE)
-    if time is not None:
-        from matplotlib.patches import Circle
-
-        radius = 0.5 * wound.shot.diameter
-        start = (np.asarray(wound.shot.entry_point) - middle) @ flight
-        place = float(start + wound.shot.speed * time - radius) / MILLIMETRE
-        height = float((np.asarray(wound.shot.entry_point) - middle) @ upward) / MILLIMETRE
-        ball = Circle((place, height), radius / MILLIMETRE, color="#30343a", zorder=3)
-        axes.add_patch(ball)
+    for body in bodies:
+        draw_outline(axes, (body.vertices - middle) @ np.stack([flight, upward]).T)
     bare_axes(axes)
+
+
+def draw_outline(axes: Axes, corners: FloatArray) -> None:
+    """The convex outline of a projectile, whose `corners` (n, 2) [m] lie in the picture's plane."""
+    from matplotlib.patches import Polygon
+    from scipy.spatial import ConvexHull
+
+    ring = corners[ConvexHull(corners).vertices] / MILLIMETRE
+    axes.add_patch(Polygon(ring, closed=True, color="#30343a", linewidth=0, zorder=3))
 
 
 def shot_back_view(axes: Axes, wound: InjuredLimb, points: TissuePoints) -> None:

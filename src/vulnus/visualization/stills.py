@@ -11,6 +11,7 @@ from .caption import scale_bar, write_text
 from .frames import points_in_passage
 from .limb_view import LimbView, triple
 from .picture import side_by_side
+from .projectile_view import projectiles_in
 from .render import Layer, Renderer, blend, develop
 from .surface import TissuePoints, tissue_surface
 
@@ -111,7 +112,8 @@ def section_layers(
     layers: list[Layer] = []
     if frame is not None:
         points, reference = points_in_passage(frame, wound)
-        layers.append(Layer(_projectile(view, frame.time), "projectile"))
+        bodies = projectiles_in(frame, wound.shot, view.projectiles)
+        layers += [Layer(body, "projectile") for body in bodies]
     place = reference - middle.astype(np.float32)
     near = (np.abs(place @ view.long_axis) < 3.0 * reach) & (place @ normal < 4.0 * wound.spacing)
     points = points.only(near & (points.tissue != Tissue.AIR))
@@ -126,17 +128,6 @@ def _section_plane(view: LimbView) -> tuple[FloatArray, FloatArray, FloatArray, 
     flight = unit(shot.direction)
     reach = 0.5 * float(np.linalg.norm(exit_ - entry)) + 0.012
     return flight, unit(np.cross(flight, view.long_axis)), 0.5 * (entry + exit_), reach
-
-
-def _projectile(view: LimbView, time: float) -> TriangleSurface:
-    """The sphere at `time` [s] since it touched the skin; it keeps its velocity."""
-    from ..geometry import LevelSet
-
-    shot = view.wound.shot
-    radius = 0.5 * shot.diameter
-    flown = shot.speed * time - radius
-    centre = np.asarray(shot.entry_point) + flown * unit(shot.direction)
-    return LevelSet.from_particles(centre[None], radius, voxel=radius / 8.0).to_surface()
 
 
 def _bleeding_close_camera(view: LimbView, width: int, height: int) -> Camera:

@@ -9,13 +9,23 @@ from vulnus.core.handoff import (
     BleedLedger,
     BleedOutcome,
     BleedWaveforms,
+    BoneFragment,
+    BoneReport,
+    CavityHistory,
+    EnergyDeposit,
     InjuredArtery,
     InjuredLimb,
     LabelVolume,
     ParticleFrame,
+    ProjectileReport,
     ShotLine,
+    SkinHole,
     Tissue,
+    TissueField,
     VesselInjury,
+    VesselReport,
+    WoundReport,
+    WoundTract,
 )
 
 SPACING = 0.004  # m
@@ -83,6 +93,48 @@ def wound() -> InjuredLimb:
         particle_steps_per_second=1e6,
         surfaces={},
         side="left",
+    )
+
+
+@pytest.fixture(scope="session")
+def wound_report() -> WoundReport:
+    place = np.linspace(0.0, 0.06, 13)
+    tract = WoundTract(
+        points=np.column_stack([np.full(13, 0.012), place - RADIUS, np.full(13, 0.08)]),
+        arc_length=place,
+        temporary_radius=np.full(13, 0.02),
+        permanent_radius=np.full(13, 0.004),
+        destroyed_radius=np.full(13, 0.006),
+    )
+    energy = np.linspace(15.0, 5.0, 10)
+    bullet = ProjectileReport(
+        name="9x19_fmj",
+        fate="left",
+        position=(0.012, 0.1, 0.08),
+        speed_before=360.0,
+        speed_after=210.0,
+        energy_before=518.0,
+        energy_after=176.0,
+        tract=tract,
+        entry=SkinHole((0.012, -RADIUS, 0.08), 2e-5, 5e-5),
+        exit=SkinHole((0.012, RADIUS, 0.08), 8e-5, 1.5e-4),
+        energy=EnergyDeposit(np.linspace(0.0, 0.06, 11), energy),
+    )
+    vessel = VesselReport("posterior_tibial", "transected", 1.0, 1.7, -1e-3, 7e-6, 1)
+    time = np.linspace(0.0, 15e-3, 16)
+    volume = np.interp(time, [0.0, 3e-3, 15e-3], [0.0, 50e-6, 5e-6])
+    none = np.zeros((2, 2, 2), np.float32)
+    pieces = tuple(BoneFragment(mass, (0.0, 0.0, 0.08), 20) for mass in (2e-3, 1e-3))
+    return WoundReport(
+        projectiles=(bullet,),
+        vessels=(vessel,),
+        bone=BoneReport(0.1, 4e-3, pieces),
+        cavity=CavityHistory(time, volume),
+        field=TissueField((0.0, 0.0, 0.0), 2e-3, none, none),
+        temporary_time=3e-3,
+        particle_count=1000,
+        steps=100,
+        flight_steps=50,
     )
 
 

@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from vulnus.core.handoff import ShotLine, Tissue
+from vulnus.core.handoff import (
+    BoneReport,
+    InjuryOutcome,
+    ParticleFrame,
+    ShotLine,
+    Tissue,
+    TriangleSurface,
+)
+from vulnus.visualization import InjuryToDraw, VisualizationParameters, draw_injury_gallery
 from vulnus.visualization.impact_view import ShotScene, instants
 from vulnus.visualization.particle_balls import ball_surface, seen_from
+from vulnus.visualization.projectile_view import projectiles_in
 from vulnus.visualization.sheet import LegendEntry, compose, write_jpeg
 from vulnus.visualization.surface import TissuePoints
+from vulnus.visualization.wound_figures import wound_caption, wound_figure
 
 SHOT = ShotLine((0.0, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 1.0, 0.0), 0.01, 100.0)
 
@@ -103,19 +114,67 @@ def test_a_jpeg_for_a_page_stays_below_300_kilobytes(tmp_path) -> None:
 
 
 @pytest.mark.slow
-def test_the_gallery_is_drawn(wound, injury_frames, tmp_path) -> None:
-    from vulnus.visualization import VisualizationParameters, draw_injury_gallery
-
+def test_the_gallery_is_drawn(wound, wound_report, injury_frames, tmp_path) -> None:
+    outcome = InjuryOutcome({"temporary": wound, "permanent": wound}, "permanent", wound_report)
+    shown = InjuryToDraw(
+        outcome=outcome,
+        frames=injury_frames,
+        times=[frame.time for frame in injury_frames],
+    )
     files = draw_injury_gallery(
-        {"temporary": wound, "permanent": wound},
-        injury_frames,
-        [frame.time for frame in injury_frames],
+        shown,
         VisualizationParameters(samples=1, denoise=False),
         directory=tmp_path,
         name="rod",
     )
-    assert [path.name for path in files] == ["passage_rod.jpg", "wound_rod.jpg"]
-    for path in files:
+    assert [path.name for path in files] == ["report_rod.png", "passage_rod.jpg", "wound_rod.jpg"]
+    for path in files[1:]:
         pixels = np.asarray(Image.open(path))
         assert pixels.std() > 20  # not blank
         assert np.mean(pixels.max(axis=2) < 8) < 0.02  # no black areas
+
+
+def test_projectiles_are_where_the_frame_says() -> None:
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    nail = TriangleSurface(np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], np.int32))
+    frame = ParticleFrame(
+        0,
+        1e-3,
+        np.zeros((0, 3), np.float32),
+        {},
+        {
+            "projectile_position_m": np.array([[1.0, 2.0, 3.0]]),
+            "projectile_rotation": turn.reshape(1, 9),
+        },
+    )
+    (placed,) = projectiles_in(frame, SHOT, [nail])
+    assert np.allclose(placed.vertices, turn.T + [1.0, 2.0, 3.0])
+    silent = ParticleFrame(0, 1e-3, np.zeros((0, 3), np.float32), {})
+    (ball,) = projectiles_in(silent, SHOT, [nail])  # the paper's: at constant speed
+    middle = 0.5 * (ball.vertices.min(axis=0) + ball.vertices.max(axis=0))
+    assert np.allclose(middle, [0.0, 100.0 * 1e-3 - 0.005, 0.0], atol=1e-4)
+
+
+def test_the_wound_figure_shows_the_report_s_numbers(wound_report) -> None:
+    figure = wound_figure(wound_report)
+    cavity, energy, tract = figure.axes
+    assert np.allclose(cavity.lines[0].get_ydata(), wound_report.cavity.volume * 1e6)
+    steps = energy.patches[0].get_data()
+    deposit = wound_report.projectiles[0].energy
+    share = np.diff(steps.edges) / 10.0 @ steps.values  # mm of J/cm
+    assert np.isclose(share, deposit.total)
+    assert [line.get_label() for line in tract.lines] == ["temporary", "permanent"]
+    text = wound_caption(wound_report)
+    for part in (
+        "360 → 210 m/s",
+        "left the limb",
+        "100 J left on 60 mm",
+        "cavity 50 ml at 3.0 ms",
+        "5 ml at the end",
+        "posterior tibial artery transected",
+        "2 fragments",
+    ):
+        assert part in text, text
+    quiet = replace(wound_report, vessels=(), bone=BoneReport(0.1, 0.0, ()))
+    assert "no artery torn" in wound_caption(quiet)
+    assert "bone" not in wound_caption(quiet)
