@@ -40,7 +40,7 @@ from .passage import shoot
 from .projectiles import PROJECTILES, Projectile, projectile
 from .rigid_body import BodyPath, BodyState, RigidBody
 from .rotations import rotation_about
-from .sensors import PointSensor, RegionSensor, SectionSensor, Sensor
+from .sensors import CavitySensor, PointSensor, RegionSensor, SectionSensor, Sensor
 from .shapes import Shape, Sphere
 from .shot_line import aim
 from .solids import Ball, Block, Rod, Shell, Solid, Tube
@@ -58,6 +58,7 @@ __all__ = [
     "BodyState",
     "Boundary",
     "Box",
+    "CavitySensor",
     "ClosedSurface",
     "Cylinder",
     "Difference",

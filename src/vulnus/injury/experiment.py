@@ -19,11 +19,12 @@ from vulnus.core.progress import Progress, SilentProgress
 from vulnus.core.units import MILLISECOND
 
 from . import experiment_checks as checks
-from .checked_values import one_of
+from .checked_values import one_of, positive
 from .experiment_record import Record
 from .experiment_result import ExperimentResult, Fields, read_fields
 from .experiment_setup import ExperimentSetup
 from .experiment_start import GridSettings, StartedExperiment, start
+from .material_model import slowed
 from .particle_reading import ParticleReading
 from .rigid_body import BodyState
 from .sample_schedule import SampleSchedule
@@ -112,6 +113,17 @@ class Experiment(ExperimentSetup):
                 break
         bar.end()
         return self._result(record, stopped_early=stopped)
+
+    def slow_waves(self, sound_speed: float) -> None:
+        """Lower the elastic moduli from now on, so that waves run at `sound_speed` [m/s] at most.
+
+        Steps grow in proportion. For the slow end of an experiment, such as the collapse of a
+        cavity, when the waves of the impact are of no interest any more: strengths, networks and
+        the stress of this moment stay. Choose about ten times the speeds that still occur.
+        """
+        positive("sound_speed", sound_speed)
+        started = self._start()
+        started.solver.change_materials(slowed(started.solver.materials, sound_speed))
 
     def _start(self) -> StartedExperiment:
         """The started experiment; checked and made at the first call."""

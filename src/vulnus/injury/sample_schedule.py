@@ -56,7 +56,9 @@ class SampleSchedule:
         return cls(until, interval, whole)
 
     def after(self, now: float) -> Iterator[float]:
-        """Times [s] of the samples after `now`, the last at `until`."""
+        """Times [s] of the samples after `now`, the last at `until`; none where that is over."""
+        if now >= self.until:
+            return
         index = math.floor(now / self.sample_interval + ROUND_OFF) + 1
         while index * self.sample_interval < self.until - ROUND_OFF * self.sample_interval:
             yield index * self.sample_interval
