@@ -162,9 +162,7 @@ class _AttachedCavity(AttachedSensor):
 
     def read(self, reading: ParticleReading) -> Mapping[str, AnyArray]:
         spacing = float(np.cbrt(reading.volume.mean()))
-        volume = cavity_volume(
-            reading["position"], spacing, volume=reading.volume, box=self._box
-        )
+        volume = cavity_volume(reading["position"], spacing, volume=reading.volume, box=self._box)
         return {"volume": np.array(volume)}
 
 

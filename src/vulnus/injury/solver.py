@@ -265,6 +265,11 @@ class MpmSolver:
         kinetic, elastic = self._native.energies()
         return {"kinetic": kinetic, "elastic": elastic}
 
+    @property
+    def materials(self) -> FloatArray:
+        """Rows of the table of materials that hold now; not to be written to."""
+        return self._materials
+
     def change_materials(self, materials: FloatArray) -> None:
         """Go on with other constants (`materials.slowed`) under unchanged stress.
 
