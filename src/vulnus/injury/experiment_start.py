@@ -130,7 +130,7 @@ def _check_resolution(
 
 def _warn_of_coarse_grid(body: RigidBody, grid_spacing: float) -> None:
     cells = 2.0 * body.shape.inner_radius / grid_spacing
-    if cells < LEAST_PROJECTILE_CELLS and not body.cutting:
+    if cells < LEAST_PROJECTILE_CELLS * (1.0 - 1e-6) and not body.cutting:
         warnings.warn(
             f"{body.name} is {cells:.1f} cells across; its depth depends on the grid below "
             f"{LEAST_PROJECTILE_CELLS:g}: use a grid_spacing of at most "
