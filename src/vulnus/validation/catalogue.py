@@ -1,7 +1,7 @@
 """Where the validation cases are, and how one is loaded.
 
 They live in `validation/` at the repository's root; a wheel carries a copy of that folder as
-`vulnus/validation/cases`. A checkout is looked at first.
+`vulnus/cases/validation`. A checkout is looked at first.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from vulnus.core.progress import Progress
 
 from .report import CaseReport
 
-HERE = Path(__file__).resolve().parent
-PLACES = (HERE.parents[2] / "validation", HERE / "cases")
+PACKAGE = Path(__file__).resolve().parents[1]
+PLACES = (PACKAGE.parents[1] / "validation", PACKAGE / "cases" / "validation")
 """Folders that may hold the cases, the first one that is there counts."""
 FOLDER_NAME = re.compile(r"(?P<id>[A-Z]+[0-9]+[a-z]?)_(?P<name>[a-z0-9_]+)")
 
