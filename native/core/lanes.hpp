@@ -58,6 +58,10 @@ struct ScalarOf<Double8> {
   using Type = double;
 };
 
+// What a comparison of two R gives.
+template <class R>
+using Mask = decltype(R{} > R{});
+
 template <class R, class T>
 VULNUS_HD R broadcast(T value) {
   return R{} + static_cast<typename ScalarOf<R>::Type>(value);

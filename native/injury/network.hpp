@@ -35,6 +35,7 @@ template <class R>
 VULNUS_HD R network_modulus(const Material<R>& m, R excess) {
   const R limit = broadcast<R>(3) * m.break_start * m.break_start;
   const R exponent = m.network_stiffening * minimum(excess, limit);
+  if (!any(exponent > R{})) return m.network_modulus;
   return m.network_modulus * (exp_minus_one(exponent) + broadcast<R>(1));
 }
 
@@ -53,6 +54,7 @@ VULNUS_HD R network_damage(const Material<R>& m, R excess) {
   const R one = broadcast<R>(1);
   const R e = square_root(excess * broadcast<R>(1.0 / 3.0));
   const auto breaking = e > m.break_start;
+  if (!any(breaking)) return R{};
   const R line = maximum(one - (e - m.break_start) * m.break_slope, R{});
   return select(breaking, one - line * m.break_start / select(breaking, e, one), R{});
 }

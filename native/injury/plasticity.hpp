@@ -56,10 +56,11 @@ VULNUS_HD void close_opening(R (&strain)[3], R& opening) {
 // Radial return at constant pressure (isochoric flow): q = sqrt(3/2)|dev tau| <= Y(alpha) + M p,
 // with Y linear within the step: rising by hardening, falling where damage has begun. High rates
 // raise Y and its slope; the fall stops short of 3 mu, beyond which a point would snap back and
-// gain strength. A material without shear modulus keeps no elastic shear.
+// gain strength. A material without shear modulus keeps no elastic shear. Rates only raise Y: below
+// the yield at rest nothing flows.
 template <class R>
-VULNUS_HD auto return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3],
-                                     PointState<R>& point) {
+VULNUS_HD Mask<R> return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3],
+                                        PointState<R>& point) {
   const R one = broadcast<R>(1);
   const R mean = (strain[0] + strain[1] + strain[2]) * broadcast<R>(1.0 / 3.0);
   R deviator[3];
@@ -69,12 +70,15 @@ VULNUS_HD auto return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3
   const R three_mu = broadcast<R>(3) * m.shear_modulus;
   const R q = three_mu * square_root(broadcast<R>(2.0 / 3.0) * norm_squared);
   const R pressure = -m.bulk_modulus * mean * broadcast<R>(3);
-  const R factor = rate_factor(m, rate);
-  const R full = (m.yield_stress + m.hardening * point.plastic_strain) * factor;
+  const R slow = m.yield_stress + m.hardening * point.plastic_strain;
   const R softened_part = softening_damage(m, point.plastic_strain);
   const R sound = one - maximum(point.damage, softened_part);
-  const R cohesion = full * sound;
   const R frictional = m.friction * pressure;
+  const auto fluid = three_mu <= R{};
+  if (!any((q > maximum(slow * sound + frictional, R{})) | fluid)) return fluid;
+  const R factor = rate_factor(m, rate);
+  const R full = slow * factor;
+  const R cohesion = full * sound;
   const R yield = maximum(cohesion + frictional, R{});
   const auto flowing = q > yield;
   const auto softening = (point.plastic_strain >= m.damage_start) & (softened_part < one) &
@@ -84,7 +88,6 @@ VULNUS_HD auto return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3
   const R slope = fall - m.hardening * factor * sound;
   const R guess = (q - yield) / (three_mu - slope);
   const R left = maximum(maximum(cohesion - slope * guess, R{}) + frictional, R{});
-  const auto fluid = three_mu <= R{};
   const R scale = select(flowing, left / maximum(q, broadcast<R>(1e-30)), one);
   for (int a = 0; a < 3; ++a) strain[a] = mean + select(fluid, R{}, scale) * deviator[a];
   point.plastic_strain += select(flowing, (q - left) / three_mu, R{});
@@ -93,8 +96,8 @@ VULNUS_HD auto return_to_shear_yield(const Material<R>& m, R rate, R (&strain)[3
 
 // Largest tension of the pressure: what exceeds it opens voids.
 template <class R>
-VULNUS_HD auto return_to_pressure_cutoff(const Material<R>& m, R (&strain)[3],
-                                         PointState<R>& point) {
+VULNUS_HD Mask<R> return_to_pressure_cutoff(const Material<R>& m, R (&strain)[3],
+                                            PointState<R>& point) {
   const R trace = strain[0] + strain[1] + strain[2];
   const R sound = broadcast<R>(1) - point.worst_damage(m);
   const R excess = maximum(trace - sound * m.pressure_cutoff / m.bulk_modulus, R{});
@@ -108,7 +111,7 @@ VULNUS_HD auto return_to_pressure_cutoff(const Material<R>& m, R (&strain)[3],
 // the crack strains is S_n = sum(tau - f_t) / (n lambda + 2 mu); the right n has the largest S_n.
 // Without shear modulus the pressure's cut-off is all there is.
 template <class R>
-VULNUS_HD auto return_to_rankine(const Material<R>& m, R (&strain)[3], PointState<R>& point) {
+VULNUS_HD Mask<R> return_to_rankine(const Material<R>& m, R (&strain)[3], PointState<R>& point) {
   const R two_mu = broadcast<R>(2) * m.shear_modulus;
   const R lambda = m.bulk_modulus - two_mu * broadcast<R>(1.0 / 3.0);
   const R strength = m.tensile_strength * (broadcast<R>(1) - point.worst_damage(m));
@@ -116,12 +119,13 @@ VULNUS_HD auto return_to_rankine(const Material<R>& m, R (&strain)[3], PointStat
   R over[3];
   for (int a = 0; a < 3; ++a) over[a] = two_mu * strain[a] + lambda * trace - strength;
   const R largest = maximum(over[0], maximum(over[1], over[2]));
+  const auto cracking = (largest > R{}) & (two_mu > R{});
+  if (!any(cracking)) return cracking;
   const R smallest = minimum(over[0], minimum(over[1], over[2]));
   const R total = over[0] + over[1] + over[2];
   R crack = maximum(R{}, largest / (lambda + two_mu));
   crack = maximum(crack, (total - smallest) / (broadcast<R>(2) * lambda + two_mu));
   crack = maximum(crack, total / (broadcast<R>(3) * lambda + two_mu));
-  const auto cracking = (largest > R{}) & (two_mu > R{});
   crack = select(cracking, crack, R{});
   for (int a = 0; a < 3; ++a) {
     const R part = maximum(over[a] - lambda * crack, R{}) / two_mu;

@@ -64,8 +64,10 @@ VULNUS_HD StressUpdate<R> update_stress(const Material<R>& m, R rate, PointState
   changed |= return_to_rankine(m, hencky, point);
   changed |= opening > R{};
   point.damage = point.worst_damage(m);
-  for (int a = 0; a < 3; ++a) rebuilt[a] = exp_minus_one(broadcast<R>(2) * hencky[a]);
-  point.strain = choose(changed, from_principal(e.vector, rebuilt), point.strain);
+  if (any(changed)) {
+    for (int a = 0; a < 3; ++a) rebuilt[a] = exp_minus_one(broadcast<R>(2) * hencky[a]);
+    point.strain = choose(changed, from_principal(e.vector, rebuilt), point.strain);
+  }
 
   hencky_kirchhoff(m, hencky, stress);
   const R sound = broadcast<R>(1) - point.damage;
