@@ -12,6 +12,7 @@ from reference.material_point import update
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
+from vulnus.injury.material_model import CRACK_BAND
 from vulnus.injury.materials import SKIN, Material, neo_hookean
 
 pytestmark = pytest.mark.physics
@@ -121,27 +122,27 @@ def test_skin_has_the_measured_strength_stretch_and_energy():
     assert SKIN.failure_work == pytest.approx(3.6e6, rel=2e-3)
 
 
-@pytest.mark.parametrize("dx", [0.001, 0.002, 0.003])
-def test_a_cell_of_skin_spends_the_fracture_energy(dx):
-    """Work to the end times the cell is G_f = 12 kJ/m2, and no sooner than 1.54 is it weaker."""
-    stretch = np.linspace(1.0, 6.0, 40001)
+@pytest.mark.parametrize("dx", [0.0005, 0.001, 0.0015])
+def test_a_crack_of_skin_spends_the_fracture_energy(dx):
+    """Work to the end times the band is G_f = 12 kJ/m2, and no sooner than 1.54 is it weaker."""
+    stretch = np.linspace(1.0, 6.0, 10001)
     stress = nominal(SKIN, stretch, dx=dx)
     assert stress[-1] == pytest.approx(0.0, abs=1.0)
-    assert work(SKIN, stretch, dx=dx) * dx == pytest.approx(12e3, rel=1e-3)
+    assert work(SKIN, stretch, dx=dx) * CRACK_BAND * dx == pytest.approx(12e3, rel=1e-3)
     damage = stretched(SKIN, uniaxial(stretch), dx=dx).damage
-    assert stretch[np.flatnonzero(damage > 0.0)[0]] == pytest.approx(1.54, abs=1e-3)
+    assert stretch[np.flatnonzero(damage > 0.0)[0]] == pytest.approx(1.54, abs=2e-3)
     # Work-equivalent, so the nominal stress itself may rise a little before it falls.
     assert np.max(stress) < 1.1 * 21.6e6
 
 
 def test_a_coarse_cell_of_skin_falls_at_once_but_on_a_finite_span():
-    """At 10 mm a cell has stored 36 kJ/m2 at failure, three times G_f."""
+    """At 10 mm a band of 20 mm has stored 72 kJ/m2 at failure, six times G_f."""
     assert SKIN.break_span(0.010) == pytest.approx(0.05 * SKIN.failure_strain)
 
 
 def test_damage_never_heals_and_unloading_is_elastic():
     """After a pull to half the span the network follows (1 - D) times its law, down and up."""
-    dx = 0.001
+    dx = 0.0005
     peak = stretched(SKIN, uniaxial(1.7), dx=dx)
     damage = peak.damage[0]
     assert 0.1 < damage < 0.9

@@ -41,6 +41,10 @@ COLUMNS = (
 CAPACITY = 16
 """Rows that a native table holds (material.hpp)."""
 
+CRACK_BAND = 2.0
+"""Cells over which a crack softens: the gradient of a step in quadratic splines is a hat two cells
+wide [D]; bars pulled apart then spend the fracture energy within 15 % (test_injury_fracture.py)."""
+
 LOCKING_RATIO = 5.0
 """Bulk over shear modulus (Poisson's ratio 0.41) from which the constructors average the volume
 rate; chosen: below it locking is a matter of per cent."""
@@ -145,28 +149,30 @@ class Material:
     def break_span(self, grid_spacing: float) -> float:
         """Equivalent strain from the network's failure to its end.
 
-        Crack-band regularisation (Bazant & Oh 1983 [M]): what a cell has stored at failure and what
-        the falling stress still takes make up the fracture energy, G_f = cell (W_0 + s span/2),
-        with s the network's equivalent stress 3 mu_0 e_0 at failure and `softening_stress`. Where a
-        coarse cell has stored more than that, the span is a twentieth of the failure strain
+        Crack-band regularisation (Bazant & Oh 1983 [M]): what a crack's cells have stored at
+        failure and what the falling stress still takes make up the fracture energy, G_f = band
+        (W_0 + s span/2), with s the network's equivalent stress 3 mu_0 e_0 at failure and
+        `softening_stress`, and the band `CRACK_BAND` cells. Where coarse cells have stored more
+        than that, the span is a twentieth of the failure strain
         (chosen: a fall over some time steps; the crack then costs more than G_f).
         """
         strain = self.failure_strain
         stiffened = math.exp(self.network_stiffening * 3.0 * strain**2)
         stress = 3.0 * self.network_modulus * stiffened * strain + self.softening_stress
-        span = 2.0 * (self.fracture_energy / grid_spacing - self.failure_work) / stress
+        band = CRACK_BAND * grid_spacing
+        span = 2.0 * (self.fracture_energy / band - self.failure_work) / stress
         return max(span, 0.05 * strain)
 
     def damage_span(self, grid_spacing: float) -> float:
-        """Plastic strain over which the strength goes to zero, 2 G_f / (stress * cell).
+        """Plastic strain over which the strength goes to zero, 2 G_f / (stress * band).
 
-        Crack-band regularisation: the energy per crack area does not depend on the cell. Where the
-        span is less than the yield strain a cell snaps back, so it stops 10 % above that (the crack
-        then costs more energy than `fracture_energy`).
+        Crack-band regularisation: the energy per crack area does not depend on the cell; the band
+        is `CRACK_BAND` cells. Where the span is less than the yield strain a cell snaps back, so it
+        stops 10 % above that (the crack then costs more energy than `fracture_energy`).
         """
         limits = [s for s in (self.yield_stress, self.tensile_strength) if s < UNLIMITED]
         stress = self.softening_stress or min(limits, default=UNLIMITED)
-        span = 2.0 * self.fracture_energy / (stress * grid_spacing)
+        span = 2.0 * self.fracture_energy / (stress * CRACK_BAND * grid_spacing)
         if self.shear_modulus == 0.0 or not limits:
             return span
         return max(span, 1.1 * max(limits) / (3.0 * self.shear_modulus))
