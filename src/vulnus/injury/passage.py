@@ -110,13 +110,20 @@ class _Run:
             self.on_frame(_frame(self.setup, index))
 
     def _flight_is_over(self) -> bool:
-        """Whether the moduli may be lowered now: every projectile is out, or at rest."""
+        """Whether the moduli may be lowered now: every projectile is out, or slow.
+
+        Slow is a tenth of the lowered speed of sound, where compressibility does not matter.
+        """
         parameters, solver = self.setup.parameters, self.setup.solver
         if self.record.relaxed or parameters.mode == "paper":
             return False
-        if parameters.relaxation_sound_speed == 0.0 or solver.time < parameters.phase_one:
+        slow = 0.1 * parameters.relaxation_sound_speed
+        if slow == 0.0 or solver.time < parameters.phase_one:
             return False
-        return "inside" not in fates_of(self.setup)
+        return all(
+            fate == "left" or float(np.linalg.norm(body.velocity)) < slow
+            for fate, body in zip(fates_of(self.setup), solver.bodies, strict=True)
+        )
 
     def _slowed_materials(self) -> FloatArray:
         return slowed(self.setup.materials, self.setup.parameters.relaxation_sound_speed)

@@ -11,6 +11,10 @@ GAP_SLACK = 1.25
 """How much wider than before the shot a gap between skin points may be before it is a hole;
 chosen: unbroken skin around a collapsed cavity is hardly stretched."""
 
+RIM = 0.25
+"""How far skin reaches beyond its outermost points, over the spacing; chosen: half the distance of
+neighbours in a skin two points thick, seen from outside."""
+
 PIXELS_PER_SPACING = 4
 """Pixels a spacing of the points, for open areas; chosen: a hole of three spacings to 3 %."""
 
@@ -46,8 +50,7 @@ def open_area(
     if len(holding) == 0:
         return float(np.count_nonzero(seen)) * pixel**2
     away = _distance_to(holding, radius, pixel)
-    # Skin reaches half a spacing beyond its outermost points.
-    return _hole_in_raster(away > reach, seen, reach - 0.5 * spacing, pixel)
+    return _hole_in_raster(away > reach, seen, reach - RIM * spacing, pixel)
 
 
 def _hole_in_raster(core: BoolArray, seen: BoolArray, growth: float, pixel: float) -> float:

@@ -1,4 +1,4 @@
-"""Cut vessels and holes in the skin, measured on made-up outcomes with known answers."""
+"""Cut and holed vessels, measured on made-up outcomes with known answers."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from vulnus.core.handoff import ArteryCentreline, TriangleSurface
-from vulnus.injury import skin_holes, wound
+from vulnus.core.handoff import ArteryCentreline
+from vulnus.injury import wound
 
-SPACING = 0.001
 LIMITS = wound.WallThresholds(lacerated=0.1, transected=0.9)
 
 
@@ -18,60 +17,6 @@ def straight_artery(length: float = 0.1, points: int = 11) -> ArteryCentreline:
     """An artery that runs down from the origin, tapering from 1.5 to 1 mm."""
     line = np.column_stack([np.zeros((points, 2)), np.linspace(0.0, -length, points)])
     return ArteryCentreline("posterior_tibial", line, np.linspace(0.0015, 0.001, points))
-
-
-def plate(thickness: float = 0.002, half: float = 0.03):
-    """Skin points of a plate in z = 0, and its outer surface of two triangles."""
-    edge = np.arange(-half, half, SPACING) + SPACING / 2
-    depth = -(np.arange(int(thickness / SPACING)) + 0.5) * SPACING
-    x = np.stack(np.meshgrid(edge, edge, depth, indexing="ij"), axis=-1).reshape(-1, 3)
-    corners = half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
-    surface = TriangleSurface(corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
-    return x, np.full(len(x), SPACING**3), surface
-
-
-def hole_of(x, volume, surface, damage, position=None):
-    destroyed = skin_holes.destroyed_skin(
-        x, x if position is None else position, damage, spacing=SPACING, threshold=0.9
-    )
-    return skin_holes.hole_area(x, volume, destroyed, surface, centre=(0.0, 0.0, 0.0), radius=0.02)
-
-
-def test_the_area_of_a_round_hole_of_destroyed_skin():
-    """A disc of radius 6 mm; 5 %: the lattice of 1 mm points renders its rim."""
-    x, volume, surface = plate()
-    damage = (np.hypot(x[:, 0], x[:, 1]) < 0.006).astype(float)
-    assert hole_of(x, volume, surface, damage) == pytest.approx(math.pi * 0.006**2, rel=0.05)
-
-
-def test_skin_that_is_pulled_apart_is_a_hole_too():
-    """Undamaged points blown away to four times their distance: dispersed, so no barrier."""
-    x, volume, surface = plate()
-    far = np.hypot(x[:, 0], x[:, 1]) < 0.006
-    position = x.copy()
-    position[far] = 6.0 * x[far] - np.array([0.0, 0.0, 0.05])
-    area = hole_of(x, volume, surface, np.zeros(len(x)), position)
-    assert area == pytest.approx(math.pi * 0.006**2, rel=0.1)
-
-
-def test_whole_skin_has_no_hole_and_stretched_skin_neither():
-    x, volume, surface = plate()
-    assert hole_of(x, volume, surface, np.zeros(len(x))) == 0.0
-    # 10 % stretch leaves more than half of the neighbours within reach.
-    assert hole_of(x, volume, surface, np.full(len(x), 0.5), 1.1 * x) == 0.0
-
-
-def test_damage_elsewhere_is_not_counted():
-    x, volume, surface = plate()
-    damage = (x[:, 0] > 0.025).astype(float)
-    assert hole_of(x, volume, surface, damage) == 0.0
-
-
-def test_surface_area_near_a_point_does_not_depend_on_the_triangles():
-    """Two large triangles: the disc of 20 mm has 4 pi 1e-4 m²; 2 % by splitting to a tenth."""
-    _, _, surface = plate()
-    area = skin_holes.surface_area_near(surface, (0.0, 0.0, 0.0), 0.02)
-    assert area == pytest.approx(math.pi * 0.02**2, rel=0.02)
 
 
 def test_stations_keep_the_points_of_the_artery():
