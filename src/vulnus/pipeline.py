@@ -7,6 +7,7 @@ import difflib
 import os
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -206,7 +207,7 @@ def _bleed(
 ) -> BleedOutcome:
     port = circulation.open_injury_port(scenario.circulation, wound.injuries[0], wound.side)
     blood = hemorrhage.prepare(wound, scenario.hemorrhage, progress)
-    return coupling.bleed_out(
+    outcome = coupling.bleed_out(
         port,
         blood,
         scenario.coupling,
@@ -214,6 +215,7 @@ def _bleed(
         checkpoint=kept,
         progress=progress,
     )
+    return replace(outcome, skin_open_area=blood.openings.area)
 
 
 def _draw(scenario: Scenario, store: RunStore, progress: Progress, say: Say) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ import dataclasses
 import json
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ from vulnus.core.handoff import (
     ShotLine,
     VesselInjury,
 )
+from vulnus.hemorrhage import Openings
 from vulnus.scenario import load_scenario
 from vulnus.storage import RunStore
 
@@ -141,12 +143,12 @@ class Stages:
         self.count("injury")
         return injury_outcome(injured_limb(*self.injuries))
 
-    def prepare(self, wound: InjuredLimb, *_: Any) -> str:
+    def prepare(self, wound: InjuredLimb, *_: Any) -> SimpleNamespace:
         assert wound.severed_segment == CUT.artery
-        return "solver"
+        return SimpleNamespace(openings=Openings(leaks=True, area=3e-5))
 
-    def bleed_out(self, port: Any, solver: str, _: Any, **given: Any) -> BleedOutcome:
-        assert solver == "solver"
+    def bleed_out(self, port: Any, solver: Any, _: Any, **given: Any) -> BleedOutcome:
+        assert solver.openings.leaks
         assert 0.5 < port.period < 1.5
         given["on_frame"](ParticleFrame(0, 0.0, points(), {}))
         given["checkpoint"].save({"step": 1})

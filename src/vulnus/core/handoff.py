@@ -326,7 +326,7 @@ class BleedOutcome:
     `barrier_crossings` counts how often a blood particle was found half its spacing deep in intact
     skin, bone or the platform, and put back;
     `mean_flow_per_beat` (beats,) [m³/s], of the whole beats; of the whole run where it is shorter
-    than one beat.
+    than one beat. `skin_open_area` [m²] of the holes in the skin that blood can get out through.
     """
 
     waveforms: BleedWaveforms
@@ -337,3 +337,4 @@ class BleedOutcome:
     particle_count: int
     steps: int
     particle_steps_per_second: float
+    skin_open_area: float = 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .bleeding import BleedingSolver, BloodVolumes
 from .fluid import Fluid, FluidParameters
+from .openings import Openings, skin_openings
 from .parameters import HemorrhageParameters, PlatformParameters
 from .preparation import prepare
 from .scene import FluidScene
@@ -15,6 +16,8 @@ __all__ = [
     "FluidParameters",
     "FluidScene",
     "HemorrhageParameters",
+    "Openings",
     "PlatformParameters",
     "prepare",
+    "skin_openings",
 ]

@@ -32,13 +32,15 @@ class LimbBarriers:
     """Signed distances [m] on one grid, negative in the solid, and the barrier's particles.
 
     `barrier` of intact skin, bone and the limb's ends; `limb` of the whole limb as it was with
-    what bulges out of it (the wound's tract counts as inside); `particles` (n, 3) [m].
+    what bulges out of it (the wound's tract counts as inside); `particles` (n, 3) [m];
+    `skin_depth` [m] is how far skin reaches below the limb's surface.
     """
 
     grid: NodeGrid
     barrier: Float32Array
     limb: Float32Array
     particles: FloatArray
+    skin_depth: float
 
 
 def intact(wound: InjuredLimb, parameters: HemorrhageParameters) -> BoolArray:
@@ -148,7 +150,7 @@ def build_barriers(wound: InjuredLimb, parameters: HemorrhageParameters) -> Limb
     barrier = gaussian_filter(barrier, 0.7, mode="nearest", truncate=3.0)
     layer_count = int(np.ceil(parameters.smoothing_ratio))
     particles = surface_layers(grid, barrier, dx, layer_count)
-    return LimbBarriers(grid, barrier, limb, particles)
+    return LimbBarriers(grid, barrier, limb, particles, skin_depth(wound, grid, limb, 1.5 * dx))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from vulnus.core.arrays import AnyArray, FloatArray
 from vulnus.core.handoff import ParticleFrame
 
 from .fluid import Fluid
+from .openings import Openings
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +29,8 @@ class BleedingSolver(Fluid):
     """Blood in an injured limb; made by `prepare`."""
 
     name = "hemorrhage"
+    openings = Openings(leaks=False, area=0.0)
+    """Whether blood can get out of the limb through its skin, and through how large a hole."""
 
     @property
     def pressure_injury(self) -> float:

@@ -13,6 +13,7 @@ from vulnus.core.units import MILLIMETRE
 from .barriers import LimbBarriers, Platform, build_barriers, place_platform
 from .bleeding import BleedingSolver
 from .fluid import FluidParameters
+from .openings import skin_openings
 from .parameters import HemorrhageParameters
 from .tissue_field import TissueGrid, build_tissue
 
@@ -148,6 +149,7 @@ def prepare(
         threads=parameters.threads,
     )
     _furnish(solver, wound, parameters, barriers, tissue)
+    solver.openings = skin_openings(barriers, parameters.particle_spacing)
     shown.update(3.0)
     shown.end()
     return solver

@@ -117,6 +117,7 @@ def _bleeding(outcome: BleedOutcome | None, *, bled: bool) -> dict[str, Any]:
         "beat_period_s",
         "volume_error_fraction",
         "barrier_crossings",
+        "skin_open_area_mm2",
         "particles",
         "steps",
     )
@@ -135,6 +136,7 @@ def _bleeding(outcome: BleedOutcome | None, *, bled: bool) -> dict[str, Any]:
         outcome.period,
         outcome.ledger.volume_error_fraction,
         outcome.barrier_crossings,
+        outcome.skin_open_area / SQUARE_MILLIMETRE,
         outcome.particle_count,
         outcome.steps,
     )
