@@ -12,6 +12,7 @@ from reference.mpm_limb import synthetic_limb
 
 from vulnus.core.errors import StorageError
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters, shoot
+from vulnus.injury.parameters import ShotParameters
 
 pytestmark = pytest.mark.physics
 
@@ -100,6 +101,29 @@ def test_a_killed_run_resumes_to_the_same_bits_and_frames(limb, reference_run):
         assert np.array_equal(frame.position, both[frame.index].position)
         for name, values in frame.point_data.items():
             assert np.array_equal(values, both[frame.index].point_data[name]), name
+
+
+@pytest.mark.parametrize("saves", [2, 5])
+def test_a_run_killed_in_either_phase_resumes_to_the_same_bits(limb, saves):
+    """Two slow dynamic balls: the second phase begins at 0.1 of 1.6 ms; killed before and after."""
+    ball = ProjectileParameters(diameter=0.008, speed=25.0, motion="dynamic", mass=0.002)
+    parameters = replace(
+        PARAMETERS,
+        projectile=ball,
+        duration=1.6e-3,
+        phase_one=1e-4,
+        frame_interval=1e-4,
+        relaxation_frame_interval=7.5e-4,
+        other_shots=(ShotParameters(projectile=ball, aim=AimParameters(target=(0.0, 0.0, 0.01))),),
+    )
+    whole = shoot(limb, parameters)
+    assert 0 < whole.report.flight_steps < whole.report.steps
+    checkpoint = MemoryCheckpoint(stop_after=saves)
+    with pytest.raises(KeyboardInterrupt):
+        shoot(limb, parameters, checkpoint=checkpoint)
+    newest = checkpoint.saved[-1]
+    assert bool(newest["record.relaxed"]) == (saves == 5)
+    assert_same_bits(shoot(limb, parameters, checkpoint=MemoryCheckpoint(newest=newest)), whole)
 
 
 def test_a_checkpoint_of_another_limb_is_refused(limb):

@@ -14,6 +14,9 @@ from .cavity import Cavity
 STATION_SPACING = 2e-3
 """Distance of the tract's points [m]; chosen: a cell of the usual grid."""
 
+SHORTEST = 1e-6
+"""Length of a tract that has none [m], of a projectile that has hardly begun; chosen: not 0."""
+
 ENERGY_BIN = 5e-3
 """Length of path over which energy is summed [m]; chosen: about a projectile's diameter."""
 
@@ -53,13 +56,16 @@ def points_in_limb(path: FlightPath, limb_points: AnyArray, reach: float) -> Flo
     from scipy.spatial import cKDTree
 
     arc = path.arc_length
+    if arc[-1] < SHORTEST:
+        return path.position[0] + np.array([[0.0, 0.0, 0.0], [SHORTEST, 0.0, 0.0]])
     count = max(2, int(np.ceil(arc[-1] / (0.25 * STATION_SPACING))) + 1)
     where = np.linspace(0.0, arc[-1], count)
     fine = _on_path(path.position, arc, where)
     distance = np.asarray(cKDTree(np.asarray(limb_points)).query(fine)[0])
     inside = np.flatnonzero(distance <= max(reach, float(distance.min()) * 1.05))
     begin, end = where[inside[0]], where[inside[-1]]
-    end = max(end, begin + 1e-6)
+    begin = max(0.0, min(begin, end - SHORTEST))
+    end = max(end, begin + SHORTEST)
     stations = max(2, round((end - begin) / STATION_SPACING) + 1)
     return _on_path(path.position, arc, np.linspace(begin, end, stations))
 

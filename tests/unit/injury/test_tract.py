@@ -90,6 +90,13 @@ def test_the_sum_of_the_energy_is_the_projectiles_loss():
     assert deposit.edges[-1] < 0.1  # and nothing is told of the way after it
 
 
+@pytest.mark.parametrize("end", [-0.06, -0.0599999, -0.04])
+def test_a_projectile_that_has_not_got_there_has_a_tract_without_length(end):
+    points = points_in_limb(straight(end=end), block(), 1.5 * SPACING)
+    assert 0.0 < arc_length_of(points)[-1] < 0.002
+    assert np.all(np.isfinite(destroyed_radius(points, points[:1], np.full(1, 1e-9))))
+
+
 def test_a_projectile_that_did_nothing_left_nothing():
     path = straight()
     idle = FlightPath(path.time, path.position, path.speed, np.zeros(len(path.time)))
