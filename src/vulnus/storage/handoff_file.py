@@ -30,6 +30,10 @@ class DamagedFileError(Exception):
     """The file is truncated, was altered, or holds something else than was asked for."""
 
 
+class OtherVersionError(DamagedFileError):
+    """The file is whole, but holds types of another version of vulnus."""
+
+
 def write_handoff(path: Path, content: object, note: Mapping[str, float | int | str]) -> None:
     """Write `content` and the small mapping `note` to `path`, whole or not at all."""
     import h5py
@@ -72,7 +76,8 @@ def _read(path: Path, interpret: Callable[[Any], Result]) -> Result:
         with h5py.File(io.BytesIO(data), "r") as file:
             return interpret(file["content"])
     except (AttributeError, KeyError, TypeError, ValueError, OSError) as trouble:
-        raise DamagedFileError(f"{path} does not hold what was asked for: {trouble}") from trouble
+        # The checksum is right, so nothing is damaged: the types have changed since.
+        raise OtherVersionError(f"{path} does not hold what was asked for: {trouble}") from trouble
 
 
 def _note(group: Any) -> dict[str, str]:

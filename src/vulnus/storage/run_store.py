@@ -25,7 +25,13 @@ from vulnus.core.handoff import BleedLedger, BleedWaveforms, InjuryOutcome, Part
 
 from .checkpoint_file import FileCheckpoint
 from .frame_series import FrameSeries
-from .handoff_file import DamagedFileError, read_handoff, read_note, write_handoff
+from .handoff_file import (
+    DamagedFileError,
+    OtherVersionError,
+    read_handoff,
+    read_note,
+    write_handoff,
+)
 from .provenance import describe_input, describe_session, now
 from .run_lock import RunLock
 from .tables import LEDGER_COLUMNS, WAVEFORM_COLUMNS, as_csv, read_csv
@@ -183,12 +189,15 @@ class RunStore:
         self.checkpoint(stage).discard()
 
     def load_stage(self, stage: str, kind: type[HandOff]) -> HandOff | None:
-        """What `stage` handed on; None where it has not finished or its file is damaged."""
+        """What `stage` handed on; None where it has not finished or its file is damaged.
+
+        Raises `StorageError` where another version of vulnus wrote it, and keeps the file.
+        """
 
         def read(path: Path) -> HandOff:
             result, _ = read_handoff(path)
             if not isinstance(result, kind):
-                raise DamagedFileError(f"{path} holds a {type(result).__name__}")
+                raise OtherVersionError(f"{path} holds a {type(result).__name__}")
             return result
 
         return self._read_stage(stage, read)
@@ -205,6 +214,13 @@ class RunStore:
             return read(path)
         except FileNotFoundError:
             return None
+        except OtherVersionError as trouble:
+            raise StorageError(
+                str(self.path),
+                f"another version of vulnus wrote what its {stage} hands on ({trouble})",
+                "Use that version (provenance.json names it), or run its scenario.toml anew into "
+                "another directory with -o",
+            ) from trouble
         except (DamagedFileError, ValueError) as trouble:
             self.notices.append(f"{trouble}; {stage} is computed again")
             path.unlink(missing_ok=True)

@@ -97,6 +97,16 @@ def test_a_damaged_stage_is_computed_again(tmp_path: Path) -> None:
         assert any("truncated" in sentence for sentence in said)
 
 
+def test_a_stage_of_another_version_is_refused_and_kept(tmp_path: Path) -> None:
+    with RunStore.create(tmp_path / "run", "x") as store:
+        store.save_stage("injury", (1, 2), {"wall": 1.0})
+        file = store.path / "checkpoints" / "injury.h5"
+        before = file.read_bytes()
+        with pytest.raises(StorageError, match=r"another version.*tuple.*provenance\.json"):
+            store.load_stage("injury", BleedLedger)
+        assert file.read_bytes() == before
+
+
 def test_a_stage_is_computed_once_in_the_life_of_a_run(tmp_path: Path) -> None:
     with RunStore.create(tmp_path / "run", "x") as store:
         first = StageBook(store, lambda _: None, None)
