@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -43,7 +44,8 @@ def test_a_particle_costs_less_than_250_bytes():
 
 
 def test_the_benchmark_ends_with_one_json_object():
-    command = [sys.executable, str(BENCHMARK), "--json", "--repeats", "1", "--particles", "2000"]
+    options = ("--json", "--repeats", "1", "--threads", "1", "--particles", "2000")
+    command = [sys.executable, str(BENCHMARK), *options]
     output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     result = json.loads(output.splitlines()[-1])
     assert result["particles"] == pytest.approx(2000, rel=0.15)
@@ -62,3 +64,32 @@ def test_the_benchmark_refuses_an_unknown_peer_by_name():
     assert "abacus" in run.stderr
     assert "numpy" in run.stderr
     assert "Traceback" not in run.stderr
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="needs a compiler")
+def test_the_roofline_counts_the_operations_of_the_laws_as_they_stand(monkeypatch):
+    """The counting program compiles against the laws' headers; the order of its sums is known.
+
+    A gather and a scatter touch 27 nodes with 4 values, a multiply-add each, so at least 216; an
+    eigen-solution of three sweeps alone takes nine rotations of some 50.
+    """
+    monkeypatch.syspath_prepend(str(BENCHMARK.parent))
+    import machine_roofline
+
+    flops = machine_roofline.run_program("count_flops", threads=1)
+    assert flops["gather"] > 216
+    assert flops["scatter"] > 216
+    assert 450 < flops["laws"] < 5000
+
+
+def test_the_roofline_counts_the_bytes_of_the_particles_that_move(monkeypatch):
+    """A step reads what it keeps of a particle, and writes it but for volume and material."""
+    monkeypatch.syspath_prepend(str(BENCHMARK.parent))
+    import injury_scene
+    import machine_roofline
+
+    traffic = machine_roofline.bytes_per_particle_step(8000)
+    fields = len(injury_scene.loaded_solver(injury_scene.scene(1000)).state()["fields"])
+    assert traffic["read"] == 4 * (fields - 12) + 1
+    assert traffic["written"] == traffic["read"] - 5
+    assert traffic["grid"] > 0.0
