@@ -197,7 +197,7 @@ class RunStore:
         def read(path: Path) -> HandOff:
             result, _ = read_handoff(path)
             if not isinstance(result, kind):
-                raise OtherVersionError(f"{path} holds a {type(result).__name__}")
+                raise OtherVersionError(f"{path} holds {type(result).__name__}")
             return result
 
         return self._read_stage(stage, read)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from vulnus.core.errors import InputFileError, ScenarioError
 from vulnus.injury import PROJECTILES
 from vulnus.injury.parameters import InjuryParameters
 from vulnus.scenario import load_scenario, scenario_from_text, scenario_text
+from vulnus.scenario.projectile_sections import ProjectileSection
+from vulnus.scenario.toml_text import value_as_toml
 
 
 def injury(text: str) -> InjuryParameters:
@@ -108,3 +113,35 @@ def test_a_complaint_about_one_of_several_names_it_and_its_line() -> None:
         injury(text)
     with pytest.raises(ScenarioError, match="not both"):
         injury(text.replace("-1", "1") + "[injury.projectile]\ndiameter_mm = 5\n")
+
+
+NUMBERS = st.one_of(
+    st.floats(-10, 1e4), st.sampled_from([0, 1, -1, math.nan, math.inf, 1e300, "9", True, "auto"])
+)
+WORDS = st.sampled_from(["sphere", "ogive", "blade", "stl", "dynamic", "22lr", "knife", "", 3])
+TABLES = st.dictionaries(
+    st.sampled_from([*ProjectileSection.model_fields, "diametre_mm"]), st.one_of(NUMBERS, WORDS)
+)
+
+
+@settings(derandomize=True, max_examples=150, deadline=None)
+@given(tables=st.lists(TABLES, max_size=3), single=st.booleans())
+def test_any_projectile_becomes_parameters_or_is_refused(
+    tables: list[dict[str, Any]], *, single: bool
+) -> None:
+    heading = "[injury.projectile]" if single else "[[injury.projectiles]]"
+    text = "".join(
+        f"{heading}\n"
+        + "".join(f"{key} = {value_as_toml(value)}\n" for key, value in table.items())
+        for table in (tables[:1] if single else tables)
+    )
+    try:
+        made = injury(text)
+    except ScenarioError:
+        return
+    for one in (made.projectile, *(shot.projectile for shot in made.other_shots)):
+        sizes = (one.diameter, one.length, one.nose_length, one.width, one.thickness, one.speed)
+        assert all(math.isfinite(size) and size >= 0.0 for size in sizes)
+        assert one.speed > 0.0
+        assert one.diameter > 0.0
+        assert one.motion == "kinematic" or one.mass is not None

@@ -29,7 +29,15 @@ from vulnus.scenario.quantity import UNITS, Section, tables_of, unit_of
 from vulnus.scenario.toml_text import as_toml, value_as_toml
 from vulnus.visualization.parameters import VisualizationParameters
 
-PRESETS = ("demo", "demo_short", "tibial_horizontal_platform", "tibial_impact", "tibial_vertical")
+PRESETS = (
+    "demo",
+    "demo_short",
+    "gunshot_9mm",
+    "knife_stab",
+    "tibial_horizontal_platform",
+    "tibial_impact",
+    "tibial_vertical",
+)
 
 
 def test_the_presets_are_these_and_say_what_they_are_for() -> None:
