@@ -155,6 +155,7 @@ def validate(
     json: Annotated[bool, Parameter(help="Print JSON instead of the table.")] = False,
 ) -> int:
     """Compare a stage with closed forms and published experiments; exit code 1 if one fails."""
+    from vulnus.terminal import notes_said
     from vulnus.validation.command import ValidationWishes, list_cases, run_validation
 
     if list_:
@@ -164,7 +165,7 @@ def validate(
         stage=stage, ids=tuple(case or ()), quick=quick, plots=plots, output=output, json=json
     )
     console = _console()
-    with _stoppable(f"vulnus validate {stage}"):
+    with _stoppable(f"vulnus validate {stage} --case ..."), notes_said(_speaker(console)):
         return run_validation(wishes, _progress(console), console)
 
 

@@ -163,7 +163,7 @@ def test_two_runs_are_one_run_and_a_resumed_one_too() -> None:
     broken.run(until=2e-4, sample_interval=1e-4, snapshot_interval=2e-4, checkpoint=kept)
     resumed = struck_block()
     for other in (
-        pieces.run(until=4e-4, snapshot_interval=2e-4),
+        pieces.run(until=4e-4, sample_interval=1e-4, snapshot_interval=2e-4),
         resumed.run(until=4e-4, sample_interval=1e-4, snapshot_interval=2e-4, checkpoint=kept),
     ):
         assert other.columns.keys() == whole.columns.keys()

@@ -45,7 +45,6 @@ class Experiment(ExperimentSetup):
 
     _started: StartedExperiment | None = None
     _record: Record | None = None
-    _sample_interval: float | None = None
 
     @property
     def time(self) -> float:
@@ -81,16 +80,14 @@ class Experiment(ExperimentSetup):
         """Step to the time `until` [s] and give back all that was recorded since the start.
 
         Samples are taken at time 0, at every whole multiple of `sample_interval` [s] (default: a
-        hundredth of `until`, or as in the call before) and at the end; snapshots of all particles
-        at the multiples of `snapshot_interval` [s], which must be samples. At each sample
+        hundredth of `until`) and at the end; snapshots of all particles at the multiples of
+        `snapshot_interval` [s], which must be samples. At each sample
         `on_sample` is called with the experiment, and `stop_when` may end the run by giving True.
         Call `run` again with a later `until` to go on. `checkpoint` keeps the state at samples,
         when it is due; a new experiment that is set up alike and given it goes on from there.
         Raises `UnstableStepError` where a particle inverts, leaves the box or is not finite.
         """
-        interval = self._sample_interval if sample_interval is None else sample_interval
-        schedule = SampleSchedule.of(self.time, until, interval, snapshot_interval)
-        self._sample_interval = schedule.sample_interval
+        schedule = SampleSchedule.of(self.time, until, sample_interval, snapshot_interval)
         set_threads(self.threads or int(os.environ.get("OMP_NUM_THREADS", "0")))
         solver = self._start().solver
         record = self._recorder(schedule, checkpoint)
@@ -119,7 +116,7 @@ class Experiment(ExperimentSetup):
 
         Steps grow in proportion. For the slow end of an experiment, such as the collapse of a
         cavity, when the waves of the impact are of no interest any more: strengths, networks and
-        the stress of this moment stay. Choose about ten times the speeds that still occur.
+        this moment's stress (Kirchhoff's) stay. Choose about ten times the speeds that still occur.
         """
         positive("sound_speed", sound_speed)
         started = self._start()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, IndexArray, Vector3
+from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from vulnus.core.errors import ScenarioError
 from vulnus.core.handoff import ParticleFrame
 
@@ -85,14 +85,14 @@ class Fields:
         half = 0.5 * np.cbrt(self.volume * self.volume_ratio)[:, None]
         return (self.position - half).min(axis=0), (self.position + half).max(axis=0)
 
-    def cavity_volume(self, box: tuple[Vector3, Vector3] | None = None) -> float:
+    def cavity_volume(self) -> float:
         """Volume [m³] that the particles enclose and do not fill, such as a temporary cavity.
 
-        `box` are two corners [m] of the space that is looked at, by default all. Holes narrower
-        than about two distances between particles are not seen.
+        A hole that is open to outside, as a track, ends flush with the surface. Holes narrower than
+        about two distances between particles are not seen.
         """
         spacing = float(np.cbrt(self.volume.mean()))
-        return cavity_volume(self.position, spacing, volume=self.volume, box=_corners(box))
+        return cavity_volume(self.position, spacing, volume=self.volume)
 
     def save(self, path: str | Path) -> Path:
         """Write all arrays to a NumPy .npz file; `np.load(path)["pressure"]` reads one."""
@@ -299,10 +299,6 @@ def fields_from_arrays(arrays: Mapping[str, AnyArray], body_names: tuple[str, ..
     """What `Fields.arrays` gave, as fields again."""
     rest = {name: np.asarray(arrays[name]) for name in _ARRAYS}
     return Fields(time=float(arrays["time"]), body_names=body_names, **rest)
-
-
-def _corners(box: tuple[Vector3, Vector3] | None) -> tuple[AnyArray, AnyArray] | None:
-    return None if box is None else (np.asarray(box[0]), np.asarray(box[1]))
 
 
 def _write_arrays(path: Path, arrays: Mapping[str, AnyArray]) -> Path:

@@ -56,12 +56,8 @@ class Flight:
         self.direction = aimed_direction(body)
         self._entry = float("nan")
         if self.direction is not None:
-            first = first_contact(
-                particles,
-                body.place,
-                self.direction,
-                self._outline.width(self.direction, body.turn),
-            )
+            width = self._outline.width(self.direction, body.turn)
+            first = first_contact(particles, body.place, self.direction, width, behind=0.0)
             self._entry = float("nan") if first is None else first
         self._start = np.asarray(body.place)
 
@@ -88,14 +84,22 @@ def aimed_direction(body: RigidBody) -> FloatArray | None:
 
 
 def first_contact(
-    particles: JoinedParticles, point: Vector3, direction: FloatArray, width: float
+    particles: JoinedParticles,
+    point: Vector3,
+    direction: FloatArray,
+    width: float,
+    *,
+    behind: float = -np.inf,
 ) -> float | None:
-    """Distance [m] from `point` along `direction` to the first tissue within `width` [m] of it."""
+    """Distance [m] from `point` along `direction` to the first tissue within `width` [m] of it.
+
+    Tissue at less than the distance `behind` does not count.
+    """
     offset = particles.position - np.asarray(point)
     along = offset @ direction
     beside = np.einsum("ij,ij->i", offset, offset) - along**2
     spacing = np.cbrt(particles.volume)
-    near = beside < (width + 0.5 * spacing) ** 2
+    near = (beside < (width + 0.5 * spacing) ** 2) & (along > behind)
     return float(np.min(along[near] - 0.5 * spacing[near])) if near.any() else None
 
 

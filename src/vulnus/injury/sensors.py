@@ -139,30 +139,18 @@ class SectionSensor(Sensor):
 class CavitySensor(Sensor):
     """The volume [m³] that all tissue encloses and does not fill, as the quantity `volume`.
 
-    Give two corners [m] of a box to look at a part only. See `Fields.cavity_volume`; a sample
-    takes about a second a million particles.
+    See `Fields.cavity_volume`. A sample takes some seconds a million particles.
     """
 
-    lower: Vector3 | None = None
-    upper: Vector3 | None = None
-
     def attach(self, reading: ParticleReading, grid_spacing: float) -> AttachedSensor:  # noqa: ARG002
-        """Check the box."""
-        if (self.lower is None) != (self.upper is None):
-            raise ScenarioError(f"sensor {self.name}", "has one corner only", "Give both or none.")
-        box = None
-        if self.lower is not None and self.upper is not None:
-            box = np.asarray(vector("lower", self.lower)), np.asarray(vector("upper", self.upper))
-        return _AttachedCavity(box)
+        """The sensor itself: it looks at all particles."""
+        return _AttachedCavity()
 
 
 class _AttachedCavity(AttachedSensor):
-    def __init__(self, box: tuple[FloatArray, FloatArray] | None) -> None:
-        self._box = box
-
     def read(self, reading: ParticleReading) -> Mapping[str, AnyArray]:
         spacing = float(np.cbrt(reading.volume.mean()))
-        volume = cavity_volume(reading["position"], spacing, volume=reading.volume, box=self._box)
+        volume = cavity_volume(reading["position"], spacing, volume=reading.volume)
         return {"volume": np.array(volume)}
 
 

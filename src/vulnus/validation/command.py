@@ -50,7 +50,8 @@ def run_validation(wishes: ValidationWishes, progress: Progress, console: Consol
             _draw(outcome, wishes)
     finally:
         progress.end()
-        _show(outcomes, wishes)
+        if outcomes:
+            _show(outcomes, wishes)
     return 0 if all(outcome.passed for outcome in outcomes) else 1
 
 
