@@ -13,11 +13,19 @@ import pytest
 
 from vulnus.injury.boundaries import Wall
 from vulnus.injury.materials import SKIN, UNLIMITED, Material, material_table
-from vulnus.injury.solver import MpmSolver
+from vulnus.injury.solver import MpmSolver, set_threads
 
 pytestmark = pytest.mark.physics
 
 LENGTH = 0.024
+
+
+@pytest.fixture(autouse=True)
+def _one_thread():
+    """Bars of a few hundred points: a second thread only waits."""
+    set_threads(1)
+    yield
+    set_threads(0)
 
 
 @dataclass(frozen=True)

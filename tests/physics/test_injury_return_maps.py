@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.material_point import update
+from reference.material_point import spectral, update
 from scipy.spatial.transform import Rotation
 
 from vulnus.injury.material_model import CRACK_BAND
@@ -220,3 +220,24 @@ def test_single_precision_follows_double():
         _, alpha64, _, tau64 = apply(table, strain, rate=50.0)
         assert np.allclose(tau32, tau64, rtol=0.0, atol=1e-5 * np.max(np.abs(tau64)))
         assert np.allclose(alpha32, alpha64, rtol=0.0, atol=1e-5)
+
+
+@settings(derandomize=True, max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 10**6), tissue=st.integers(0, 7), precision=st.sampled_from(["32", "64"])
+)
+def test_no_strain_of_finite_size_gives_a_number_that_is_not_finite(seed, tissue, precision):
+    """Strains up to a stretch of 20 with any history, at any rate: finite, damage within 0 to 1."""
+    rng = np.random.default_rng(seed)
+    table = tissue_table(0.002)[tissue : tissue + 1]
+    size = 10.0 ** rng.uniform(-6.0, 0.5)
+    strain = rng.uniform(-size, size, (16, 3, 3))
+    strain = 0.5 * (strain + strain.transpose(0, 2, 1))
+    network = spectral(strain * rng.uniform(0.0, 1.0), lambda e: np.exp(2.0 * e))
+    after = update(
+        table, strain, network=network, alpha=rng.uniform(0.0, 10.0), precision=precision,
+        opening=rng.uniform(0.0, 3.0), damage=rng.uniform(0.0, 1.0), rate=10 ** rng.uniform(-3, 7),
+    )  # fmt: skip
+    for values in (after.hencky, after.alpha, after.opening, after.tau, after.wave_speed):
+        assert np.all(np.isfinite(values))
+    assert np.all((after.damage >= 0.0) & (after.damage <= 1.0))
