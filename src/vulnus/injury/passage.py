@@ -27,7 +27,7 @@ from .artery_injuries import artery_report, injured_arteries
 from .materials import slowed
 from .parameters import InjuryParameters
 from .record import RunRecord, Snapshot
-from .report import LimbState, cavity_of, fates_of, open_holes, wound_report
+from .report import LimbState, cavity_of, fates_of, makes_exit, open_holes, wound_report
 from .shot_setup import ShotSetup, prepare_shot
 from .solver import set_threads
 
@@ -203,7 +203,7 @@ def _injured_limb(
         injuries=injuries,
         shot=setup.shot,
         entry_area=entry_area,
-        exit_area=exit_area if fates_of(setup)[0] == "left" else None,
+        exit_area=exit_area if makes_exit(setup, 0) else None,
         time=snapshot.time,
         steps=snapshot.steps,
         particle_steps_per_second=solver.steps * len(setup.simulated) / max(record.wall, 1e-9),

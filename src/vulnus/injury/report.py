@@ -23,6 +23,7 @@ from vulnus.core.wound_report import (
 from . import skin_holes
 from .bone_fragments import bone_report
 from .cavity import Cavity, deposit, find_cavity, tissue_share
+from .flying_bodies import shape_of
 from .materials import TISSUE_MATERIALS
 from .record import RunRecord, Snapshot
 from .rigid_body import BodyState
@@ -102,6 +103,14 @@ def _fate(setup: ShotSetup, body: BodyState, shot: ShotLine) -> ProjectileFate:
     return "stopped" if float(np.linalg.norm(body.velocity)) < REST_SPEED else "inside"
 
 
+def makes_exit(setup: ShotSetup, number: int) -> bool:
+    """Whether projectile `number` has left the limb at the far side; a blade leaves as it came."""
+    shot, projectile = setup.shots[number], setup.projectiles[number]
+    chord = float(np.linalg.norm(np.subtract(shot.exit_point, shot.entry_point)))
+    through = projectile.shape != "blade" or projectile.depth > chord
+    return through and fates_of(setup)[number] == "left"
+
+
 def open_holes(setup: ShotSetup, state: LimbState) -> tuple[float, float]:
     """Areas [m²] of the holes in the skin at the entry and where the line leaves the limb.
 
@@ -173,6 +182,9 @@ def _projectile_report(
     """What projectile `number` did, from its path and the cavities, the largest and the last."""
     limb, body, shot = setup.limb, setup.solver.bodies[number], setup.shots[number]
     projectile, fate = setup.projectiles[number], fates_of(setup)[number]
+    if projectile.shape == "blade":
+        reach = float(shape_of(projectile).upper[0])
+        path = path.thrust(reach * np.asarray(body.rotation)[:, 0], shot.speed)
     points = points_in_limb(path, limb.position, 1.5 * limb.spacing)
     destroyed = end.damage >= setup.parameters.damage_threshold
     begin, last = float(path.speed[0]), float(path.speed[-1])
@@ -195,7 +207,7 @@ def _projectile_report(
             ),
         ),
         entry=_hole(setup, shot, end, shot.entry_point),
-        exit=None if fate != "left" else _hole(setup, shot, end, _vector(points[-1])),
+        exit=_hole(setup, shot, end, _vector(points[-1])) if makes_exit(setup, number) else None,
         energy=energy_along(path),
     )
 

@@ -46,6 +46,17 @@ class FlightPath:
         steps = np.linalg.norm(np.diff(self.position, axis=0), axis=1)
         return np.concatenate([[0.0], np.cumsum(steps)])
 
+    def thrust(self, nose: FloatArray, speed: float) -> FlightPath:
+        """The way of a blade's tip, `nose` (3,) [m] from its middle, up to where it is deepest.
+
+        Work on the way out counts where the blade was deepest; `speed` [m/s] is the hand's.
+        """
+        tip = self.position + nose
+        deepest = int(np.argmax((tip - tip[0]) @ nose))
+        tip[deepest:] = tip[deepest]
+        pace = np.where(np.arange(len(tip)) < deepest, speed, 0.0)
+        return FlightPath(time=self.time, position=tip, speed=pace, work=self.work)
+
 
 def points_in_limb(path: FlightPath, limb_points: AnyArray, reach: float) -> FloatArray:
     """The path (n, 3) [m] at even steps, from where it enters the limb to where it leaves it.

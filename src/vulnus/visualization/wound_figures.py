@@ -69,8 +69,11 @@ def draw_tract(axes: Axes, projectile: ProjectileReport) -> None:
         linewidth=0,
         label="destroyed tissue",
     )
-    axes.plot(place, tract.temporary_radius / MILLIMETRE, "--", color=AORTA, label="temporary")
-    axes.plot(place, tract.permanent_radius / MILLIMETRE, color=WOUND, label="permanent")
+    two = not np.array_equal(tract.temporary_radius, tract.permanent_radius)
+    if two:
+        axes.plot(place, tract.temporary_radius / MILLIMETRE, "--", color=AORTA, label="temporary")
+    name = "permanent" if two else "cavity at the end"
+    axes.plot(place, tract.permanent_radius / MILLIMETRE, color=WOUND, label=name)
     if place.size:
         axes.set_xlim(0.0, float(place[-1]))
     axes.set_ylim(0.0, 1.35 * max(axes.get_ylim()[1], 1e-3))
@@ -84,7 +87,8 @@ def wound_caption(report: WoundReport) -> str:
     largest = float(volume.max(initial=0.0))
     last = float(volume[-1]) if volume.size else 0.0
     cavity = f"cavity {largest:.0f} ml at {report.temporary_time / MILLISECOND:.1f} ms"
-    cavity += f", {last:.0f} ml at the end"
+    if last < largest:
+        cavity += f", {last:.0f} ml at the end"
     lines = [_flight(one) for one in report.projectiles]
     return "\n".join([*lines, "; ".join([cavity, *_bones(report), _arteries(report)])])
 
