@@ -11,7 +11,7 @@ from vulnus.injury import Block, Experiment, RigidBodyRecord
 def shoot(projectile: str, *, speed: float, until: float) -> RigidBodyRecord:
     """The ball's way through a small block of 10 % gelatin up to the time `until` [s]."""
     experiment = Experiment(grid_spacing=1.8e-3)
-    block = Block(size=(0.06, 0.04, 0.04), centre=(0.03, 0.0, 0.0))
+    block = Block(size=(0.045, 0.032, 0.032), centre=(0.0225, 0.0, 0.0))
     experiment.add_body(block, material="gelatin_10", name="gel")
     experiment.add_projectile(
         projectile, speed=speed, direction="x", target=(0.0, 0.0, 0.0), name="ball"

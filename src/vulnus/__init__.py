@@ -15,6 +15,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "BleedLedger": "vulnus.core.handoff",
     "BleedOutcome": "vulnus.core.handoff",
+    "Experiment": "vulnus.injury",
     "InjuredLimb": "vulnus.core.handoff",
     "LabelVolume": "vulnus.core.handoff",
     "LimbModel": "vulnus.core.handoff",

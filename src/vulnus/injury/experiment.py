@@ -98,17 +98,19 @@ class Experiment(ExperimentSetup):
 
         bar.begin("experiment", until / MILLISECOND, "ms")
         stopped = False
-        for time in schedule.after(solver.time):
-            solver.advance(time, on_call=report)
-            record.add(self._reading(), snapshot=schedule.is_snapshot(solver.time))
-            if on_sample is not None:
-                on_sample(self)
-            if checkpoint is not None and checkpoint.due():
-                checkpoint.save(self._state(record))
-            if stop_when is not None and stop_when(self):
-                stopped = True
-                break
-        bar.end()
+        try:
+            for time in schedule.after(solver.time):
+                solver.advance(time, on_call=report)
+                record.add(self._reading(), snapshot=schedule.is_snapshot(solver.time))
+                if on_sample is not None:
+                    on_sample(self)
+                if checkpoint is not None and checkpoint.due():
+                    checkpoint.save(self._state(record))
+                stopped = stop_when is not None and bool(stop_when(self))
+                if stopped:
+                    break
+        finally:
+            bar.end()
         return self._result(record, stopped_early=stopped)
 
     def slow_waves(self, sound_speed: float) -> None:

@@ -54,18 +54,19 @@ class Record:
         row: dict[str, AnyArray | float] = {"time": reading.time}
         for tissue in self._started.tissue:
             row |= _below(f"tissue/{tissue.name}", _of_tissue(reading, tissue))
-        rigid_energy, work = 0.0, 0.0
+        rigid_energy, work, height = 0.0, 0.0, 0.0
         states = self._started.solver.bodies
         for body, state in zip(self._started.rigid, states, strict=True):
             kinetic = kinetic_energy(body, state)
-            if body.motion == "dynamic":
+            if body.motion == "dynamic" and body.mass is not None:
                 rigid_energy += kinetic
+                height -= body.mass * float(state.position @ self._gravity)
             else:
                 work += state.work
             row |= _below(f"rigid/{body.name}", _of_rigid_body(state, kinetic))
         for flight, state in zip(self._started.flights, states, strict=True):
             row[f"rigid/{state.name}/depth"] = flight.depth(state, reading.time)
-        row |= _below("energy", self._energies(reading, rigid_energy, work))
+        row |= _below("energy", self._energies(reading, rigid_energy, height, work))
         for name, sensor in self._sensors.items():
             row |= _below(f"sensor/{name}", sensor.read(reading))
         for name, value in row.items():
@@ -73,9 +74,11 @@ class Record:
         if snapshot:
             self._snapshots.append(read_fields(reading, self._started.tissue))
 
-    def _energies(self, reading: ParticleReading, rigid: float, work: float) -> Mapping[str, float]:
+    def _energies(
+        self, reading: ParticleReading, rigid: float, height: float, work: float
+    ) -> Mapping[str, float]:
         stored = self._started.solver.energies()
-        gravity = float(-reading.mass @ (reading["position"] @ self._gravity))
+        gravity = height - float(reading.mass @ (reading["position"] @ self._gravity))
         kept = {
             "kinetic": stored["kinetic"],
             "elastic": stored["elastic"],

@@ -208,10 +208,10 @@ class ExperimentResult:
     def energies(self) -> Mapping[str, FloatArray]:
         """Energies (m,) [J] by name.
 
-        "kinetic" and "elastic" of the tissue, "gravity" its potential energy, "rigid" the kinetic
-        energy of the dynamic rigid bodies, "total" the sum of these four; "work" is what kinematic
-        and guided bodies have put in. What plastic flow, damage, friction and the scheme itself
-        have turned into heat is missing from the total.
+        "kinetic" and "elastic" of the tissue, "rigid" the kinetic energy of the dynamic rigid
+        bodies, "gravity" the potential energy of both, "total" the sum of these four; "work" is
+        what kinematic and guided bodies have put in. What plastic flow, damage, friction and the
+        scheme itself have turned into heat is missing from the total.
         """
         return self._below("energy")
 

@@ -94,9 +94,7 @@ def injured_limb(count: int = 40) -> InjuredLimb:
     )
 
 
-@settings(
-    derandomize=True, max_examples=60, deadline=None, suppress_health_check=list(HealthCheck)
-)
+@settings(derandomize=True, max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 @given(content=TREES)
 def test_any_tree_comes_back(tmp_path: Path, content: Any) -> None:
     write_handoff(tmp_path / "x.h5", content, {})
