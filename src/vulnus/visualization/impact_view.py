@@ -25,6 +25,7 @@ from .surface import TissuePoints
 _BEFORE, _BEHIND = 0.022, 0.070  # m shown before the entry and behind the exit
 _SIDE_WIDTH, _BACK_WIDTH, _HEIGHT = 620, 400, 280  # px; chosen: five rows fit a page
 _FARTHEST = 0.07  # m behind the exit; what has flown farther would hide the back view
+_ROUND_FROM = 4.0  # px of a spacing; chosen: balls of fewer show no corners
 _LETTER = 0.05  # of a panel's height
 _NAMES = {
     Tissue.SKIN: "skin",
@@ -173,7 +174,10 @@ def _trace(
 ) -> FloatArray:
     """The points as balls with the projectiles, in linear light."""
     right, up, _ = camera.axes
-    balls = ball_surface(points.only(seen_from(points, right, up)))
+    ends = scene.middle + np.array([[0.0], [points.spacing]]) * right
+    pixels = float(np.ptp(camera.project(ends)[:, 0]))
+    shown = points.only(seen_from(points, right, up))
+    balls = ball_surface(shown, round_balls=pixels > _ROUND_FROM)
     layers = [Layer(balls, "tissue")]
     for body in bodies:
         flown = float(np.max((body.vertices - scene.middle) @ scene.flight)) - scene.ends[1]

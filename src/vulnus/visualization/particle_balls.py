@@ -26,9 +26,13 @@ _DARK = 0.45  # chosen: how much darker a ball of destroyed tissue is
 _KEPT_DEPTH = 12.0  # spacings behind the foremost ball; chosen: closes the gaps of a torn wall
 
 
-def ball_surface(points: TissuePoints) -> TriangleSurface:
-    """One mesh of a ball for each point, in the colours of the paper's Fig. 2."""
-    corner, triangle = _unit_ball()
+def ball_surface(points: TissuePoints, *, round_balls: bool = True) -> TriangleSurface:
+    """One mesh of a ball for each point, in the colours of the paper's Fig. 2.
+
+    Without `round_balls` they have 20 sides in place of 80; smoothly shaded, a ball a few pixels
+    wide looks the same.
+    """
+    corner, triangle = _unit_ball(round_balls=round_balls)
     count, corners = points.position.shape[0], corner.shape[0]
     radius = _BALL_RADIUS * points.spacing
     vertices = points.position[:, None, :] + np.float32(radius) * corner
@@ -82,8 +86,10 @@ def _places(coordinate: AnyArray, cell: float) -> IntArray:
 
 
 @functools.cache
-def _unit_ball() -> tuple[Float32Array, IntArray]:
-    """Corners (42, 3) and triangles (80, 3) of an icosahedron whose sides are halved once."""
+def _unit_ball(*, round_balls: bool) -> tuple[Float32Array, IntArray]:
+    """Corners and triangles of an icosahedron, its sides halved once for `round_balls`."""
+    from scipy.spatial import ConvexHull
+
     golden = 0.5 * (1.0 + np.sqrt(5.0))
     signs = [(s, t * golden) for s in (-1.0, 1.0) for t in (-1.0, 1.0)]
     corner = np.array(
@@ -91,21 +97,16 @@ def _unit_ball() -> tuple[Float32Array, IntArray]:
         + [(s, t, 0.0) for s, t in signs]
         + [(t, 0.0, s) for s, t in signs]
     )
-    from scipy.spatial import ConvexHull
-
+    if round_balls:
+        faces = ConvexHull(corner).simplices
+        sides = np.unique(
+            np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0
+        )
+        corner = np.concatenate([corner, corner[sides].sum(axis=1)])
     corner /= np.linalg.norm(corner, axis=1, keepdims=True)
-    faces = ConvexHull(corner).simplices
-    middle = {
-        tuple(sorted((int(a), int(b))))
-        for face in faces
-        for a, b in zip(face, np.roll(face, 1), strict=True)
-    }
-    halves = np.array([corner[a] + corner[b] for a, b in sorted(middle)])
-    halves /= np.linalg.norm(halves, axis=1, keepdims=True)
-    fine = np.concatenate([corner, halves])
-    hull = ConvexHull(fine).simplices
-    side = fine[hull]
+    hull = ConvexHull(corner).simplices
+    side = corner[hull]
     outward = np.cross(side[:, 1] - side[:, 0], side[:, 2] - side[:, 0])
     inside_out = np.einsum("fc,fc->f", outward, side[:, 0]) < 0.0
     hull[inside_out] = hull[inside_out, ::-1]
-    return fine.astype(np.float32), hull.astype(np.int32)
+    return corner.astype(np.float32), hull.astype(np.int32)

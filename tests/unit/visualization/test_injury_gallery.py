@@ -38,9 +38,11 @@ def points_of(position: np.ndarray, tissue: Tissue = Tissue.MUSCLE) -> TissuePoi
     )
 
 
-def test_each_ball_is_a_closed_sphere_around_its_point() -> None:
+@pytest.mark.parametrize("round_balls", [True, False])
+def test_each_ball_is_a_closed_sphere_around_its_point(*, round_balls: bool) -> None:
     place = np.array([[0.0, 0.0, 0.0], [0.1, 0.2, 0.3]])
-    surface = ball_surface(points_of(place))
+    surface = ball_surface(points_of(place), round_balls=round_balls)
+    assert len(surface.triangles) == 2 * (80 if round_balls else 20)
     corners = surface.vertices.reshape(2, -1, 3)
     radius = np.linalg.norm(corners - place[:, None], axis=2)
     assert np.allclose(radius, 0.62e-3, rtol=1e-4)
