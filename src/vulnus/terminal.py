@@ -194,7 +194,9 @@ def summary_rows(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         artery = wound.get("severed_segment")
         yield "cut artery", artery.replace("_", " ") if artery else "none"
         yield "entry wound", _shown(wound.get("entry_area_mm2"), "mm²")
-        yield "exit wound", _shown(wound.get("exit_area_mm2"), "mm²")
+        leaves = wound.get("exit_area_mm2")
+        yield "exit wound", "none" if leaves is None else _shown(leaves, "mm²")
+        yield from _report_rows(wound.get("report") or {})
     if bleeding.get("duration_s"):
         outside = _shown(bleeding["out_of_limb_ml"] + bleeding["removed_ml"], "ml")
         lost, duration = _shown(bleeding["injected_ml"], "ml"), _shown(bleeding["duration_s"], "s")
@@ -210,6 +212,15 @@ def summary_rows(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         stages = ", ".join(f"{stage} {seconds:.0f}" for stage, seconds in wall.items())
         yield "time", f"{sum(wall.values()):.0f} s ({stages})"
         yield "memory", _shown(cost.get("peak_memory_mb"), "MB")
+
+
+def _report_rows(report: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    if not report:
+        return
+    largest, when = report["temporary_cavity_ml"], report["temporary_time_ms"]
+    end = _shown(report["permanent_cavity_ml"], "ml")
+    yield "cavity", f"{_shown(largest, 'ml')} at {_shown(when, 'ms')}, {end} at the end"
+    yield "energy left", _shown(report["energy_left_j"], "J")
 
 
 def _shown(value: float | None, unit: str) -> str:

@@ -33,7 +33,8 @@ def wound_view(renderer: Renderer, view: LimbView) -> FloatArray:
         _close_camera(view, shot.exit_point, flight, (widths[2], height), wound.exit_area or 0.0),
     )
     layers = (view.outside, section_layers(view), view.outside)
-    names = ("entry", "section along the shot", "exit")
+    far = "exit" if wound.exit_area is not None else "far side"
+    names = ("entry", "section along the shot", far)
     panels = []
     for name, camera, shown in zip(names, cameras, layers, strict=True):
         arranged = renderer.arrange(shown, view.studio_for(camera), camera)
