@@ -194,9 +194,9 @@ def summary_rows(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         artery = wound.get("severed_segment")
         yield "cut artery", artery.replace("_", " ") if artery else "none"
         yield "entry wound", _shown(wound.get("entry_area_mm2"), "mm²")
-        leaves = wound.get("exit_area_mm2")
-        yield "exit wound", "none" if leaves is None else _shown(leaves, "mm²")
-        yield from _report_rows(wound.get("report") or {})
+        hole, report = wound.get("exit_area_mm2"), wound.get("report") or {}
+        yield "exit wound", "none" if report and hole is None else _shown(hole, "mm²")
+        yield from _report_rows(report)
     if bleeding.get("duration_s"):
         outside = _shown(bleeding["out_of_limb_ml"] + bleeding["removed_ml"], "ml")
         lost, duration = _shown(bleeding["injected_ml"], "ml"), _shown(bleeding["duration_s"], "s")

@@ -128,3 +128,17 @@ def test_a_summary_without_a_cut_says_so() -> None:
     assert "blood lost" not in rows
     assert rows["time"] == "61 s (injury 61)"
     assert dict(summary_rows({})) == {}
+
+
+def test_a_summary_tells_of_the_cavity_and_of_a_projectile_that_stays_inside() -> None:
+    report = {
+        "temporary_cavity_ml": 121.0,
+        "temporary_time_ms": 1.5,
+        "permanent_cavity_ml": 18.5,
+        "energy_left_j": 341.0,
+    }
+    wound = {"severed_segment": "fibular", "entry_area_mm2": 60.0, "exit_area_mm2": None}
+    rows = dict(summary_rows({"wound": {**wound, "report": report}}))
+    assert rows["exit wound"] == "none"
+    assert rows["cavity"] == "121 ml at 1.5 ms, 18.5 ml at the end"
+    assert rows["energy left"] == "341 J"
