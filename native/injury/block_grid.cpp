@@ -35,13 +35,6 @@ template <class T>
 using Row = typename LaneTraits<T>::Row;
 
 template <class T>
-VULNUS_HD Row<T> load_row(const T* p) {
-  Row<T> r;
-  std::memcpy(&r, p, sizeof(r));
-  return r;
-}
-
-template <class T>
 VULNUS_HD const T* tile_row(const T* tile, int x, int y) {
   return tile + (x * kTileEdge + y) * kTileEdge * kComponents;
 }
@@ -147,14 +140,15 @@ void BlockGrid<T>::reduce(int i) {
         const AxisShare sx = xs[a >> 1], sy = ys[a & 1];
         const int column = (sx.neighbour + 1) * 9 + (sy.neighbour + 1) * 3 + 1;
         if (const T* t = around[column])
-          sum += load_row<T>(tile_row(t, sx.tile_index, sy.tile_index) + kOwnZ);
+          sum += load_lanes<Row<T>>(tile_row(t, sx.tile_index, sy.tile_index) + kOwnZ);
         if (const T* t = around[column - 1])
-          sum += keep_lower * load_row<T>(tile_row(t, sx.tile_index, sy.tile_index) + kUpperZ);
+          sum +=
+              keep_lower * load_lanes<Row<T>>(tile_row(t, sx.tile_index, sy.tile_index) + kUpperZ);
         if (const T* t = around[column + 1])
           for (int c = 0; c < kComponents; ++c)
             sum[12 + c] += tile_row(t, sx.tile_index, sy.tile_index)[c];
       }
-      std::memcpy(out + (x * kBlockEdge + y) * 16, &sum, sizeof(sum));
+      store_lanes(out + (x * kBlockEdge + y) * 16, sum);
     }
 }
 

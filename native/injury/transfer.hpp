@@ -4,7 +4,7 @@
 // 0.
 #pragma once
 
-#include <cstring>
+#include <type_traits>
 
 #include "injury/block_grid.hpp"
 #include "injury/shape_function.hpp"
@@ -35,16 +35,16 @@ VULNUS_HD void place_stencil(const typename LaneTraits<T>::Real (&cell)[3], Sten
     const Real shifted = cell[a] - T(0.5);
     const Integer inside = (shifted >= T(0)) & (shifted < T(6));
     s.outside |= ~inside;
-    const Real safe = inside ? shifted : Real{};
-    const Integer base = __builtin_convertvector(safe, Integer);
-    s.fraction[a] = safe + T(0.5) - __builtin_convertvector(base, Real);
+    const Real safe = select(inside, shifted, Real{});
+    const Integer base = truncated(safe);
+    s.fraction[a] = safe + T(0.5) - real(base);
     Real weight[3];
     quadratic_weights(s.fraction[a], weight);
-    for (int n = 0; n < 3; ++n) std::memcpy(s.weight[a][n], &weight[n], sizeof(Real));
+    for (int n = 0; n < 3; ++n) store_lanes(s.weight[a][n], weight[n]);
     offset = offset * kTileEdge + base;
   }
   offset *= kComponents;
-  std::memcpy(s.offset, &offset, sizeof(offset));
+  store_lanes(s.offset, offset);
 }
 
 template <class T>
@@ -78,6 +78,15 @@ VULNUS_HD Row sum_over_nodes(Row a, Row b, Row c, Row d) {
          __builtin_shufflevector(ab, cd, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30,
                                  31);
 }
+VULNUS_HD FloatHalf sum_over_nodes(LanePair<FloatHalf> a, LanePair<FloatHalf> b) {
+  const FloatHalf x = a.half[0] + a.half[1], y = b.half[0] + b.half[1];
+  return __builtin_shufflevector(x, y, 0, 1, 2, 3, 8, 9, 10, 11) +
+         __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+VULNUS_HD LanePair<FloatHalf> sum_over_nodes(LanePair<FloatHalf> a, LanePair<FloatHalf> b,
+                                             LanePair<FloatHalf> c, LanePair<FloatHalf> d) {
+  return {sum_over_nodes(a, b), sum_over_nodes(c, d)};
+}
 
 // [sum w g | sum w g i_x | sum w g i_y | sum w g i_z] of one lane over its 27 nodes, with node
 // numbers i = 0, 1, 2 from the base node.
@@ -89,11 +98,10 @@ VULNUS_HD typename LaneTraits<T>::Row gather_moments(const T* tile, const Stenci
   Row sum{}, sum_x{}, sum_y{};
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
-    Row g0, g1, g2;
     const T* p = base + i * kTileEdge * kTileEdge * kComponents;
-    std::memcpy(&g0, p, sizeof(Row));
-    std::memcpy(&g1, p + kTileEdge * kComponents, sizeof(Row));
-    std::memcpy(&g2, p + 2 * kTileEdge * kComponents, sizeof(Row));
+    const Row g0 = load_lanes<Row>(p);
+    const Row g1 = load_lanes<Row>(p + kTileEdge * kComponents);
+    const Row g2 = load_lanes<Row>(p + 2 * kTileEdge * kComponents);
     const Row second = wy1 * g1;
     const Row third = wy2 * g2;
     const T wx = s.weight[0][i][lane];
@@ -110,9 +118,17 @@ VULNUS_HD typename LaneTraits<T>::Row gather_moments(const T* tile, const Stenci
 
 template <int Block, class Row>
 VULNUS_HD Row repeat_block(Row r) {
-  constexpr int b = 4 * Block;
-  return __builtin_shufflevector(r, r, b, b + 1, b + 2, b + 3, b, b + 1, b + 2, b + 3, b, b + 1,
-                                 b + 2, b + 3, b, b + 1, b + 2, b + 3);
+  if constexpr (std::is_same_v<Row, LanePair<FloatHalf>>) {
+    constexpr int b = 4 * (Block % 2);
+    const FloatHalf h = r.half[Block / 2];
+    const FloatHalf twice =
+        __builtin_shufflevector(h, h, b, b + 1, b + 2, b + 3, b, b + 1, b + 2, b + 3);
+    return {twice, twice};
+  } else {
+    constexpr int b = 4 * Block;
+    return __builtin_shufflevector(r, r, b, b + 1, b + 2, b + 3, b, b + 1, b + 2, b + 3, b, b + 1,
+                                   b + 2, b + 3, b, b + 1, b + 2, b + 3);
+  }
 }
 
 // Adds w (q + i_x a_x + i_y a_y + i_z a_z) to the 27 nodes; `affine` = [q | a_x | a_y | a_z].
@@ -133,10 +149,7 @@ VULNUS_HD void scatter_affine(T* tile, const Stencil<T>& s, int lane,
     T* p = base + i * kTileEdge * kTileEdge * kComponents;
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
-      Row node;
-      std::memcpy(&node, p, sizeof(Row));
-      node += s.weight[1][j][lane] * value;
-      std::memcpy(p, &node, sizeof(Row));
+      store_lanes(p, load_lanes<Row>(p) + s.weight[1][j][lane] * value);
       value += step;
       p += kTileEdge * kComponents;
     }
