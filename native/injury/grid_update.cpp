@@ -9,7 +9,8 @@ namespace vulnus::injury {
 
 namespace {
 
-constexpr double kBlockReach = 2.6;  // cells: half of a block's diagonal, sqrt(3) 1.5
+constexpr double kBlockReach = 2.6;   // cells: half of a block's diagonal, sqrt(3) 1.5
+constexpr double kOnThePlane = 1e-6;  // cells: a node so near a plane lies on it, not before it
 
 }  // namespace
 
@@ -17,6 +18,8 @@ template <class T>
 double MpmSolver<T>::update_grid(double dt) {
   for (RigidBody& body : bodies_) body.begin_step(time_, dt, settings_.gravity);
   near_body_.assign(grid_.active(), 0);
+  find_mirrors();
+  if (!mirrors_.empty()) sum_tiles();
   double largest = 0;
 #pragma omp parallel for schedule(dynamic, 8) reduction(max : largest)
   for (int i = 0; i < grid_.active(); ++i) {
@@ -31,13 +34,22 @@ double MpmSolver<T>::update_grid(double dt) {
 #pragma omp parallel for schedule(static) reduction(max : largest)
   for (std::size_t k = 0; k < near_blocks_.size(); ++k)
     largest = std::max(largest, finish_block(near_blocks_[k], dt));
+  reflect_mirrors();
   return std::sqrt(largest);
+}
+
+// Mirrors need the sums of all blocks before any momentum becomes velocity.
+template <class T>
+void MpmSolver<T>::sum_tiles() {
+#pragma omp parallel for schedule(dynamic, 8)
+  for (int i = 0; i < grid_.active(); ++i) grid_.reduce(i);
+  fold_mirrors();
 }
 
 // Momentum to velocity, and gravity (equation 1).
 template <class T>
 void MpmSolver<T>::load_velocity(int i, double dt) {
-  grid_.reduce(i);
+  if (mirrors_.empty()) grid_.reduce(i);
   T* node = grid_.nodes(i);
   const T kick[3] = {T(dt * settings_.gravity[0]), T(dt * settings_.gravity[1]),
                      T(dt * settings_.gravity[2])};
@@ -67,7 +79,7 @@ void MpmSolver<T>::constrain_block(const HalfSpace& wall, int i, double dt) {
   const double dx = settings_.grid_spacing;
   double corner[3];
   block_corner(i, corner);
-  double above = -wall.height_at(time_);
+  double above = -wall.height_at(time_) - kOnThePlane * dx;
   for (int a = 0; a < 3; ++a) above += wall.normal[a] * corner[a];
   double middle = above;
   for (int a = 0; a < 3; ++a) middle += wall.normal[a] * 1.5 * dx;
@@ -169,6 +181,8 @@ void MpmSolver<T>::collide(RigidBody& body) {
 // The class is instantiated where its constructor is; what is defined here needs it here.
 template double MpmSolver<float>::update_grid(double);
 template double MpmSolver<double>::update_grid(double);
+template void MpmSolver<float>::sum_tiles();
+template void MpmSolver<double>::sum_tiles();
 template void MpmSolver<float>::load_velocity(int, double);
 template void MpmSolver<double>::load_velocity(int, double);
 template double MpmSolver<float>::finish_block(int, double);

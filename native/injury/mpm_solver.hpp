@@ -15,6 +15,7 @@
 #include "injury/body_contact.hpp"
 #include "injury/boundary.hpp"
 #include "injury/material.hpp"
+#include "injury/mirror.hpp"
 #include "injury/particle_set.hpp"
 #include "injury/rigid_body.hpp"
 
@@ -87,6 +88,12 @@ class MpmSolver {
   double largest_particle_speed() const;
   double largest_body_speed() const;
   double update_grid(double dt);
+  void sum_tiles();
+  void find_mirrors();
+  void fold_mirrors();
+  void reflect_mirrors();
+  template <class Visit>
+  void for_image_pairs(const Mirror& mirror, const Visit& visit);
   void load_velocity(int i, double dt);
   double finish_block(int i, double dt);
   void constrain_block(const HalfSpace& wall, int i, double dt);
@@ -107,6 +114,7 @@ class MpmSolver {
   std::vector<Tracer> tracers_;
   std::vector<RigidBody> bodies_;
   std::vector<HalfSpace> boundaries_;
+  std::vector<Mirror> mirrors_;
   std::vector<std::uint8_t> near_body_;  // a flag for every block
   std::vector<int> near_blocks_;
   std::vector<std::vector<ContactNode>> block_contacts_;

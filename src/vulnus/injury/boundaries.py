@@ -86,7 +86,10 @@ class Wall:
     """A plane through `point` [m] that acts on the side away from `normal`, and its `velocity`.
 
     "fixed" nodes have the wall's velocity, "slip" nodes keep what is tangential, "separating" ones
-    may leave, and slide with Coulomb `friction` while they press. The plane moves along.
+    may leave, and slide with Coulomb `friction` while they press. The plane moves along. A "slip"
+    wall at rest that lies on a layer of nodes across a coordinate axis is a plane of symmetry: the
+    tissue moves as half of the whole body (mirror.hpp); elsewhere the layer of cells beside it is
+    too stiff.
     """
 
     point: Vector3

@@ -228,7 +228,9 @@ class ExperimentSetup:
         "fixed" holds the tissue at the wall's `velocity` [m/s]; "slip" only stops motion across it
         (a plane of symmetry); "separating" lets it leave and slide with Coulomb `friction` while it
         presses. Nodes on the plane and behind it are held, so put it on a node, at a whole multiple
-        of `grid_spacing`. The wall moves along with its velocity.
+        of `grid_spacing`. There, across a coordinate axis and at rest, a "slip" wall mirrors what
+        is before it: the tissue moves exactly as half of the whole body. The wall moves along with
+        its velocity.
         """
         self._refuse_after_start("add_wall")
         one_of("kind", kind, ("fixed", "slip", "separating"))
