@@ -9,8 +9,7 @@ namespace vulnus::injury {
 
 namespace {
 
-constexpr double kBlockReach = 2.6;   // cells: half of a block's diagonal, sqrt(3) 1.5
-constexpr double kOnThePlane = 1e-6;  // cells: a node so near a plane lies on it, not before it
+constexpr double kBlockReach = 2.6;  // cells: half of a block's diagonal, sqrt(3) 1.5
 
 }  // namespace
 
@@ -79,7 +78,7 @@ void MpmSolver<T>::constrain_block(const HalfSpace& wall, int i, double dt) {
   const double dx = settings_.grid_spacing;
   double corner[3];
   block_corner(i, corner);
-  double above = -wall.height_at(time_) - kOnThePlane * dx;
+  double above = -wall.height_at(time_);
   for (int a = 0; a < 3; ++a) above += wall.normal[a] * corner[a];
   double middle = above;
   for (int a = 0; a < 3; ++a) middle += wall.normal[a] * 1.5 * dx;

@@ -18,8 +18,9 @@ struct Mirror {
   int node;       // of the layer on the plane, in the solver's local frame
 };
 
-constexpr int kMirrorDepth = 2;            // layers of nodes behind the plane that particles reach
-constexpr double kMirrorTolerance = 1e-6;  // cells between the plane and the nodes
+constexpr int kMirrorDepth = 2;  // layers of nodes behind the plane that particles reach
+constexpr double kMirrorTolerance =
+    1e-5;  // cells between plane and nodes; walls come 1e-6 too high
 
 // The mirror that a half space is: a slip wall at rest, on nodes and across an axis.
 inline std::optional<Mirror> mirror_of(const HalfSpace& wall, double grid_spacing) {
