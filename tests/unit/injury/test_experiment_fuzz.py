@@ -10,48 +10,86 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vulnus.core.errors import VulnusError
-from vulnus.injury import MATERIALS, Ball, Block, Experiment, PointSensor, RigidBody, Rod, Sphere
+from vulnus.injury import (
+    MATERIALS,
+    Ball,
+    Block,
+    Experiment,
+    ExperimentResult,
+    PointSensor,
+    RigidBody,
+    Rod,
+    Sphere,
+)
 
-lengths = st.sampled_from([0.0, -1e-2, 1e-3, 4e-3, 1e-2, np.nan]) | st.floats(2e-3, 2e-2)
-numbers = st.sampled_from([0.0, np.nan, np.inf, -1e300]) | st.floats(-500.0, 500.0)
-places = st.tuples(*[st.floats(-0.02, 0.02)] * 3)
+EXAMPLES = 60
+
+
+def mostly(good: st.SearchStrategy, *bad: object) -> st.SearchStrategy:
+    """Eleven good values to one of the bad ones."""
+    return st.integers(0, 11).flatmap(lambda n: st.sampled_from(bad) if n == 0 else good)
+
+
+lengths = mostly(st.floats(4e-3, 1.5e-2), 0.0, -1e-2, 1e-3, np.nan)
+numbers = mostly(st.floats(-100.0, 100.0), np.nan, np.inf, -1e300)
 solids = st.one_of(
-    st.builds(lambda s, c: lambda: Block(size=s, centre=c), st.tuples(*[lengths] * 3), places),
-    st.builds(lambda r, c: lambda: Ball(radius=r, centre=c), lengths, places),
-    st.builds(lambda r, n, a: lambda: Rod(radius=r, length=n, axis=a), lengths, lengths, places),
+    st.builds(lambda x, y, z: lambda: Block(size=(x, y, z)), lengths, lengths, lengths),
+    st.builds(lambda r: lambda: Ball(radius=r), lengths),
+    st.builds(lambda r, n: lambda: Rod(radius=r, length=n, axis=(1.0, 1.0, 0.0)), lengths, lengths),
+)
+parts = st.tuples(solids, mostly(st.sampled_from(sorted(MATERIALS)), "butter"))
+
+
+def experiment_of(case) -> ExperimentResult:
+    """Bodies beside one another, a ball somewhere, a sensor in the first body."""
+    experiment = Experiment(grid_spacing=case["spacing"])
+    for index, (make, material) in enumerate(case["parts"]):
+        experiment.add_body(
+            make().moved((case["gap"] * index, 0.0, 0.0)),
+            material=material,
+            velocity=case["velocity"],
+            arrangement=case["arrangement"],
+        )
+    ball = RigidBody(
+        shape=Sphere(case["radius"]), centre=case["place"], velocity=(case["speed"], 0, 0),
+        mass=case["mass"], motion="dynamic",
+    )  # fmt: skip
+    experiment.add_rigid_body(ball)
+    experiment.add_sensor(PointSensor(position=(0.0, 0.0, 0.0)))
+    return experiment.run(until=4e-7, sample_interval=case["interval"])
+
+
+cases = st.fixed_dictionaries(
+    {
+        "parts": st.lists(parts, min_size=0, max_size=2),
+        "gap": mostly(st.just(0.04), 0.01),
+        "velocity": st.tuples(numbers, st.floats(-50.0, 50.0), st.just(0.0)),
+        "spacing": mostly(st.sampled_from([1.8e-3, 2e-3]), -1.0, np.nan, 2e-2),
+        "radius": lengths,
+        "place": mostly(st.tuples(*[st.floats(0.05, 0.1)] * 3), (0.0, 0.0, 0.0)),
+        "speed": numbers,
+        "mass": mostly(st.floats(1e-4, 1e-2), 0.0, np.nan),
+        "interval": mostly(st.floats(1e-7, 1e-6), 0.0, np.nan),
+        "arrangement": st.sampled_from(["lattice", "poisson"]),
+    }
 )
 
 
-@settings(deadline=None, derandomize=True, max_examples=60)
-@given(
-    parts=st.lists(st.tuples(solids, st.sampled_from([*MATERIALS, "butter"])), max_size=3),
-    velocity=st.tuples(numbers, st.floats(-50.0, 50.0), st.just(0.0)),
-    spacing=st.sampled_from([2e-3, 3e-3, -1.0, np.nan]),
-    ball=st.tuples(lengths, places, numbers, lengths),
-    interval=numbers,
-    arrangement=st.sampled_from(["lattice", "poisson"]),
-)
-def test_anything_runs_or_is_refused(  # noqa: PLR0917  hypothesis gives them by name
-    parts, velocity, spacing, ball, interval, arrangement
-) -> None:
-    radius, place, speed, mass = ball
-    try:
+def test_anything_runs_or_is_refused() -> None:
+    ran = []
+
+    @settings(deadline=None, derandomize=True, max_examples=EXAMPLES)
+    @given(case=cases)
+    def attempt(case) -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)
-            experiment = Experiment(grid_spacing=spacing)
-            for make, material in parts:
-                experiment.add_body(
-                    make(), material=material, velocity=velocity, arrangement=arrangement
-                )
-            experiment.add_rigid_body(
-                RigidBody(
-                    shape=Sphere(radius), centre=place, velocity=(speed, 0, 0), mass=mass,
-                    motion="dynamic",
-                )
-            )  # fmt: skip
-            experiment.add_sensor(PointSensor(position=place))
-            result = experiment.run(until=1e-6, sample_interval=abs(interval) * 1e-8)
-    except VulnusError:
-        return
-    assert np.isfinite(result.final.position).all()
-    assert result.time[-1] == pytest.approx(1e-6)
+            try:
+                result = experiment_of(case)
+            except VulnusError:
+                return
+        ran.append(case)
+        assert np.isfinite(result.final.position).all()
+        assert result.time[-1] == pytest.approx(4e-7)
+
+    attempt()
+    assert 3 <= len(ran) < EXAMPLES  # both outcomes are met
