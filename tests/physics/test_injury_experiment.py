@@ -74,19 +74,19 @@ def test_what_flies_freely_keeps_mass_momentum_and_energy() -> None:
 def test_what_falls_turns_height_into_speed() -> None:
     experiment = Experiment(grid_spacing=SPACING, gravity=(0, 0, -9.81), precision="float64")
     experiment.add_body(CUBE, material=SOLID, name="cube")
-    result = experiment.run(until=0.01)
-    # Symplectic Euler: first order in the step, 500 steps here.
-    assert result.body("cube").velocity[-1, 2] == pytest.approx(-9.81 * 0.01, rel=1e-10)
-    fallen = 0.5 * 9.81 * 0.01**2
-    assert result.body("cube").centre_of_mass[-1, 2] == pytest.approx(-fallen, rel=5e-3)
+    result = experiment.run(until=0.004)
+    # Symplectic Euler: first order in the step, 200 steps here.
+    assert result.body("cube").velocity[-1, 2] == pytest.approx(-9.81 * 0.004, rel=1e-10)
+    fallen = 0.5 * 9.81 * 0.004**2
+    assert result.body("cube").centre_of_mass[-1, 2] == pytest.approx(-fallen, rel=0.01)
     gained = result.energies["kinetic"][-1]
     assert result.energies["gravity"][0] - result.energies["gravity"][-1] == pytest.approx(
-        gained, rel=5e-3
+        gained, rel=0.01
     )
 
 
 def test_a_struck_block_and_its_ball_share_the_momentum() -> None:
-    result = struck_block(precision="float64").run(until=1.5e-3)
+    result = struck_block(precision="float64").run(until=8e-4)
     ball = result.rigid_body("ball")
     total = result.momentum + 4e-3 * ball.velocity
     assert total == pytest.approx(np.tile([0.08, 0, 0], (101, 1)), abs=1e-10 * 0.08)
@@ -178,7 +178,7 @@ def test_two_runs_are_one_run_and_a_resumed_one_too() -> None:
 
 def test_a_checkpoint_of_another_experiment_is_refused() -> None:
     kept = MemoryCheckpoint()
-    struck_block().run(until=1e-5, checkpoint=kept)
+    struck_block().run(until=1e-5, sample_interval=5e-6, checkpoint=kept)
     with pytest.raises(StorageError, match="it is of another experiment"):
         struck_block(courant_number=0.3).run(until=2e-5, checkpoint=kept)
 

@@ -49,6 +49,8 @@ def test_a_projectile_begins_one_cell_before_what_it_meets(name: str, turn) -> N
     ball = experiment.run(until=1e-6).rigid_body("shot")
     # The hull of a sampled shape is known to a tenth of a millimetre.
     assert ball.depth[0] == pytest.approx(-SPACING, abs=1e-4)
+    # Waves at 37 m/s and the ball at 50: what is said before is what the solver takes.
+    assert experiment.step_estimate == pytest.approx(0.4 * SPACING / (SOLID.sound_speed + 50.0))
     assert ball.velocity[0] == pytest.approx(50.0 * way, rel=1e-12)
     body = PROJECTILES[name].body((0, 0, 0), tuple(way))
     nose = ball.position[0] @ way + body.shape.upper[0]

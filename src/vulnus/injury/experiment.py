@@ -14,6 +14,8 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
+import numpy as np
+
 from vulnus.core.checkpoint import Checkpoint, CheckpointData
 from vulnus.core.progress import Progress, SilentProgress
 from vulnus.core.units import MILLISECOND
@@ -55,6 +57,15 @@ class Experiment(ExperimentSetup):
     def solver(self) -> MpmSolver:
         """The solver behind the experiment; asking for it ends the setting up."""
         return self._start().solver
+
+    @property
+    def step_estimate(self) -> float:
+        """Time step [s] that the materials and the speeds before the start allow."""
+        particles, rigid = self._start().particles, self._start().rigid
+        wave = max(material.sound_speed for material in self._store.materials)
+        fastest = float(np.max(np.linalg.norm(particles.velocity, axis=1)))
+        fastest = max([fastest, *(float(np.linalg.norm(body.velocity)) for body in rigid)])
+        return self.courant_number * self.grid_spacing / (wave + fastest)
 
     def fields(self) -> Fields:
         """All particles as they are now; asking for them ends the setting up."""
