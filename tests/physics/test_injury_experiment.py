@@ -262,3 +262,23 @@ def test_what_is_saved_is_what_was_found(tmp_path) -> None:
         assert np.array_equal(fields["position"], result.final.position)
     frame = result.final.frame()
     assert frame.point_data["pressure_pa"].shape == (len(result.final),)
+
+
+def test_a_script_of_two_phases_resumes_in_the_second() -> None:
+    """The same script, killed while its waves were slowed, ends with the same bits."""
+
+    def script(checkpoint, stop_at: float = 1.0):
+        experiment = struck_block()
+        phases = {"sample_interval": 1e-4, "checkpoint": checkpoint}
+        experiment.run(until=2e-4, **phases)
+        experiment.slow_waves(20.0)
+        return experiment.run(until=6e-4, stop_when=lambda e: e.time >= stop_at, **phases)
+
+    whole = script(None)
+    kept = MemoryCheckpoint()
+    assert script(kept, stop_at=4e-4).stopped_early
+    resumed = script(kept)
+    assert resumed.time == pytest.approx(1e-4 * np.arange(7))
+    for name, values in whole.columns.items():
+        assert np.array_equal(resumed.columns[name], values, equal_nan=True), name
+    assert np.array_equal(resumed.final.stress, whole.final.stress)
