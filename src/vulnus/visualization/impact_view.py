@@ -132,7 +132,7 @@ def impact_picture(
         near = (np.abs(offset @ scene.up) < 1.6 * half_height) & (ahead < _FARTHEST)
         far_half = (reference - scene.middle.astype(np.float32)) @ scene.across < 0.0
         panels = []
-        for camera, shown in ((side, near & far_half), (back, near & (offset @ scene.flight > 0))):
+        for camera, shown in ((side, near & far_half), (back, near)):
             light = _trace(renderer, scene, camera, points.only(shown), bodies)
             panels.append(scale_bar(light, camera, length=0.02, letter=_LETTER))
         time = f"t = {frame.time / MILLISECOND:.2f} ms"
