@@ -236,12 +236,12 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(
           "add_boundary",
           [](S& s, int kind, Vec3 normal, double height, Vec3 velocity, double friction,
-             double thickness, double rate) {
+             double thickness, double rate, double exponent) {
             s.native().boundaries().push_back(
-                make_half_space(kind, normal, height, velocity, friction, thickness, rate));
+                make_half_space(kind, normal, height, velocity, friction, thickness, rate, exponent));
           },
           nb::kw_only(), nb::arg("kind"), nb::arg("normal"), nb::arg("height"), nb::arg("velocity"),
-          nb::arg("friction"), nb::arg("thickness"), nb::arg("rate"))
+          nb::arg("friction"), nb::arg("thickness"), nb::arg("rate"), nb::arg("exponent"))
       .def("body_state", &S::body_state)
       .def("set_body_state", &S::set_body_state)
       .def("set_particles", &S::set_particles)

@@ -77,13 +77,14 @@ inline BodyState body_state_of(const double* row) {
 }
 
 inline HalfSpace make_half_space(int kind, Vec3 normal, double height, Vec3 velocity,
-                                 double friction, double thickness, double rate) {
+                                 double friction, double thickness, double rate, double exponent) {
   HalfSpace wall;
   wall.kind = static_cast<BoundaryKind>(kind);
   wall.height = height;
   wall.friction = friction;
   wall.thickness = thickness;
   wall.rate = rate;
+  wall.exponent = exponent;
   std::copy(normal.begin(), normal.end(), wall.normal);
   std::copy(velocity.begin(), velocity.end(), wall.velocity);
   return wall;

@@ -89,13 +89,18 @@ void Twist::surface_velocity(const ContactNode& c, double growth, double (&u)[3]
   for (int a = 0; a < 3; ++a) u[a] += value[a] + growth * c.normal[a];
 }
 
-Twist solve_contact(const RigidBody& body, const std::vector<ContactNode>& contacts) {
+Twist twist_of(const RigidBody& body) {
   const BodyState& s = body.state();
-  Twist start;
+  Twist twist;
   for (int a = 0; a < 3; ++a) {
-    start.value[a] = s.velocity[a];
-    start.value[3 + a] = s.angular_velocity[a];
+    twist.value[a] = s.velocity[a];
+    twist.value[3 + a] = s.angular_velocity[a];
   }
+  return twist;
+}
+
+Twist solve_contact(const RigidBody& body, const std::vector<ContactNode>& contacts) {
+  const Twist start = twist_of(body);
   if (body.motion != BodyMotion::kDynamic || contacts.empty()) return start;
   Matrix6 inertia;
   generalised_mass(body, inertia);

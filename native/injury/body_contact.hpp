@@ -25,6 +25,9 @@ struct Twist {
   void surface_velocity(const ContactNode& c, double growth, double (&u)[3]) const;
 };
 
+// That of a body now.
+Twist twist_of(const RigidBody& body);
+
 // The velocity that the body has after an inelastic contact with these nodes, friction included.
 // The nodes alone would give a light body more than it takes to stop the approach, so both sides
 // are solved together: M (U - U0) = sum A^T j(U), with j the impulse that a node gives the body.

@@ -38,6 +38,9 @@ struct DistanceGrid {
   }
 };
 
+// Slope below which a point lies on the ridge between two faces.
+constexpr double kRidge = 0.5;
+
 struct BodyShape {
   double radius = 0;           // of a sphere; 0: the grid counts
   double expansion_speed = 0;  // growth of the sphere's radius [m/s]
@@ -55,21 +58,25 @@ struct BodyShape {
     return grid.at(p);
   }
 
-  // Outward unit normal at p; zero where there is none (the centre of a sphere).
-  void normal(const double (&p)[3], double (&n)[3]) const {
+  // Outward unit normal at p, zero where there is none (the centre of a sphere). Returns whether p
+  // lies on the ridge between two faces, where the opposite is as good a normal.
+  bool normal(const double (&p)[3], double (&n)[3]) const {
+    bool ridge = false;
     if (is_sphere()) {
       for (int a = 0; a < 3; ++a) n[a] = p[a];
     } else {
       gradient(p, grid.spacing, n);
-      if (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < 0.01) gradient(p, 0, n);
+      ridge = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < kRidge * kRidge;
+      if (ridge) gradient(p, 0, n);
     }
     const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     for (int a = 0; a < 3; ++a) n[a] = length > 0 ? n[a] / length : 0;
+    return ridge;
   }
 
  private:
-  // Difference quotients over the grid's spacing and `back` behind; with back = 0 a point in the
-  // middle plane of a plate belongs to one side.
+  // Difference quotients over the grid's spacing and `back` behind; with back = 0 they see one side
+  // of a ridge, such as the middle plane of a plate.
   void gradient(const double (&p)[3], double back, double (&n)[3]) const {
     for (int a = 0; a < 3; ++a) {
       double above[3] = {p[0], p[1], p[2]}, below[3] = {p[0], p[1], p[2]};

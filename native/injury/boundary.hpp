@@ -1,6 +1,9 @@
 // Boundaries: half spaces in which nodes are held, kept from crossing, or calmed.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "injury/contact_law.hpp"
 
 namespace vulnus::injury {
@@ -9,7 +12,7 @@ enum class BoundaryKind : int {
   kFixed = 0,       // nodes have the boundary's velocity
   kSlip = 1,        // their normal velocity is the boundary's
   kSeparating = 2,  // they may leave, not enter; Coulomb friction while they press
-  kAbsorbing = 3    // held, with a sponge of some thickness before
+  kAbsorbing = 3    // damped, from a layer before the plane on
 };
 
 // Acts on nodes with x . normal <= height; the plane moves with its velocity.
@@ -19,8 +22,9 @@ struct HalfSpace {
   double height = -1e30;         // at time 0 [m], in the solver's local frame
   double velocity[3] = {0, 0, 0};
   double friction = 0;
-  double thickness = 0;  // of the sponge [m]
-  double rate = 0;       // damping at the sponge's end [1/s]
+  double thickness = 0;  // of the damped layer before the plane [m]
+  double rate = 0;       // damping at the plane and beyond [1/s]
+  double exponent = 0;   // of the depth in the layer
 
   double height_at(double time) const {
     return height +
@@ -32,9 +36,9 @@ struct HalfSpace {
 template <class T>
 VULNUS_HD void constrain(const HalfSpace& wall, double above, double dt, T (&v)[3]) {
   if (above > wall.thickness) return;
-  if (above > 0) {  // in the sponge: rate ~ depth^2, implicit in time
-    const double depth = (wall.thickness - above) / wall.thickness;
-    const T kept = T(1 / (1 + wall.rate * depth * depth * dt));
+  if (wall.kind == BoundaryKind::kAbsorbing) {  // rate ~ depth^n, implicit in time
+    const double depth = std::min((wall.thickness - above) / wall.thickness, 1.0);
+    const T kept = T(1 / (1 + wall.rate * std::pow(depth, wall.exponent) * dt));
     for (int a = 0; a < 3; ++a) v[a] *= kept;
     return;
   }

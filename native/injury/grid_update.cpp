@@ -11,6 +11,16 @@ namespace {
 
 constexpr double kBlockReach = 2.6;  // cells: half of a block's diagonal, sqrt(3) 1.5
 
+// A node in the middle plane of a plate stands for the tissue on both sides: it touches the face
+// that it moves towards.
+void face_approach(const RigidBody& body, ContactNode& c) {
+  double u[3], leaving = 0;
+  twist_of(body).surface_velocity(c, 0, u);
+  for (int a = 0; a < 3; ++a) leaving += (c.velocity[a] - u[a]) * c.normal[a];
+  if (leaving > 0)
+    for (double& n : c.normal) n = -n;
+}
+
 }  // namespace
 
 template <class T>
@@ -139,8 +149,9 @@ void MpmSolver<T>::find_contacts(const RigidBody& body, int i,
     }
     body.to_body(x, local);
     if (!(body.shape.distance(local, time_) < body.margin)) continue;
-    body.shape.normal(local, normal);
+    const bool ridge = body.shape.normal(local, normal);
     body.to_world(normal, c.normal);
+    if (ridge) face_approach(body, c);
     out.push_back(c);
   }
 }

@@ -95,6 +95,7 @@ int MpmSolver<T>::advance(int max_steps, double stop_time) {
   while (done < max_steps && time_ < stop_time && fault_.bits() == kNoFault && faulty_body_ < 0) {
     if (!grid_ready_) begin_epoch(stop_time);
     if (fault_.bits() != kNoFault) break;
+    cut_tissue();
     const double speed = update_grid(step_);
     move_bodies(step_);
     move_tracers(step_);

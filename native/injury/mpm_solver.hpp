@@ -102,6 +102,8 @@ class MpmSolver {
   bool block_is_near_a_body(int i) const;
   void find_contacts(const RigidBody& body, int i, std::vector<ContactNode>& out) const;
   void collide(RigidBody& body);
+  void cut_tissue();
+  void cut_tissue(const RigidBody& body);
   void move_bodies(double dt);
   void move_tracers(double dt);
   template <bool Gather, bool Scatter>

@@ -7,7 +7,7 @@ Air drag is not modelled.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -20,14 +20,22 @@ from . import _native
 WallKind = Literal["fixed", "slip", "separating"]
 KIND = {"fixed": 0, "slip": 1, "separating": 2, "absorbing": 3}
 
-ABSORPTION = 14.0
-"""ln of the amplitude lost on the way through a sponge and back, times 3: the rate r (d/L)² takes
-exp(-r L / 3c) from a wave of speed c that crosses the length L twice; chosen: 1 %."""
+STEEPNESS = 1.5
+"""Exponent of the damping's rise, plus one, for a layer of one cell; it grows with the layer, so
+that damping is always concentrated in 2/3 of a cell. Chosen: wider layers send long waves back."""
+
+MATCH = 0.95
+"""Part of the wave's impedance that the layer has, for the nodes beyond the plane add to it.
+Chosen: wherever the plane lies between nodes, 7-8 % of a pulse's height comes back, less than 1 %
+of its energy (tests/physics/test_injury_boundaries.py)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HalfSpace:
-    """Nodes with x·`normal` <= `height` [m]; a sponge of `thickness` [m] before it."""
+    """Nodes with x·`normal` <= `height` [m]; a damped layer of `thickness` [m] before it.
+
+    The layer matches waves of `sound_speed` [m/s], by default the slowest material's.
+    """
 
     kind: str
     normal: Vector3
@@ -35,6 +43,7 @@ class HalfSpace:
     velocity: Vector3 = (0.0, 0.0, 0.0)
     friction: float = 0.0
     thickness: float = 0.0
+    sound_speed: float | None = None
 
 
 class Boundary(Protocol):
@@ -54,31 +63,39 @@ class HeldEnds:
 
     def half_spaces(self) -> tuple[HalfSpace, ...]:
         """Both ends."""
-        return _ends(self.axis, self.lower, self.upper, kind="fixed", thickness=0.0)
+        return _ends(self.axis, self.lower, self.upper)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AbsorbingEnds:
-    """Held ends with a sponge of `thickness` [m] before each, in which waves die.
+    """Ends [m] of the body at which waves leave as if it went on.
 
-    Node velocities are damped with a rate that grows with the square of the depth; about ten
-    cells absorb waves as short as the sponge is thick.
+    The nodes in the last `thickness` [m] before `lower` and `upper`, and all beyond, are damped so
+    that together they resist like the material that is missing, rho c v (Lysmer & Kuhlemeyer
+    1969). Waves of `sound_speed` [m/s] that arrive head-on are taken up; default: the speed of the
+    slowest material in the table. Nothing is held: under a lasting load the end creeps.
     """
 
     axis: Vector3
     lower: float
     upper: float
     thickness: float
+    sound_speed: float | None = None
 
     def half_spaces(self) -> tuple[HalfSpace, ...]:
-        """Both ends with their sponge."""
-        if not (math.isfinite(self.thickness) and self.thickness > 0.0):
-            raise ScenarioError(
-                "absorbing ends",
-                f"thickness is {self.thickness:g} m, must be > 0",
-                "Give about ten cells.",
-            )
-        return _ends(self.axis, self.lower, self.upper, kind="absorbing", thickness=self.thickness)
+        """Both ends with their layer."""
+        for name, value in (("thickness", self.thickness), ("sound_speed", self.sound_speed)):
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise ScenarioError(
+                    "absorbing ends", f"{name} is {value:g}, must be > 0", "Give some cells."
+                )
+        lower, upper = _ends(self.axis, self.lower, self.upper)
+        return self._with_layer(lower), self._with_layer(upper)
+
+    def _with_layer(self, end: HalfSpace) -> HalfSpace:
+        return replace(
+            end, kind="absorbing", thickness=self.thickness, sound_speed=self.sound_speed
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,35 +136,42 @@ class Wall:
 
 
 def add_boundary(
-    solver: _native.Solver32, boundary: Boundary, *, origin: FloatArray, sound_speed: float
+    solver: _native.Solver32,
+    boundary: Boundary,
+    *,
+    origin: FloatArray,
+    grid_spacing: float,
+    sound_speed: float,
 ) -> None:
-    """Give a boundary to the native solver; the sponge absorbs waves of `sound_speed` [m/s]."""
+    """Give a boundary to the native solver, whose slowest material has `sound_speed` [m/s]."""
     for half in boundary.half_spaces():
         if not np.all(np.isfinite((*half.normal, half.height, *half.velocity, half.friction))):
             raise ScenarioError("boundary", "holds a value that is not finite", "Check it.")
-        sponge = half.thickness > 0.0
+        layer = max(half.thickness, grid_spacing)
+        exponent = STEEPNESS * layer / grid_spacing - 1.0
+        damped = half.thickness > 0.0
+        speed = half.sound_speed or sound_speed  # the integral of the rate over the layer
         solver.add_boundary(
             kind=KIND[half.kind],
             normal=half.normal,
             height=half.height - float(np.dot(half.normal, origin)),
             velocity=half.velocity,
             friction=half.friction,
-            thickness=half.thickness,
-            rate=ABSORPTION * sound_speed / half.thickness if sponge else 0.0,
+            thickness=layer if damped else 0.0,
+            rate=(exponent + 1.0) * MATCH * speed / layer if damped else 0.0,
+            exponent=exponent,
         )
 
 
-def _ends(
-    axis: Vector3, lower: float, upper: float, *, kind: str, thickness: float
-) -> tuple[HalfSpace, ...]:
+def _ends(axis: Vector3, lower: float, upper: float) -> tuple[HalfSpace, HalfSpace]:
     if not lower < upper:
         raise ScenarioError(
             "ends", f"lower {lower:g} m is not below upper {upper:g} m", "Swap or move them."
         )
     x, y, z = _unit(axis)
     return (
-        HalfSpace(kind=kind, normal=(x, y, z), height=lower, thickness=thickness),
-        HalfSpace(kind=kind, normal=(-x, -y, -z), height=-upper, thickness=thickness),
+        HalfSpace(kind="fixed", normal=(x, y, z), height=lower),
+        HalfSpace(kind="fixed", normal=(-x, -y, -z), height=-upper),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,6 +16,10 @@ from .signed_distance import SignedDistance, sample
 
 PROFILE_POINTS = 33
 """Points on the curve of an ogive; chosen: its sagitta is then below 1e-3 of the nose's length."""
+
+
+BEVEL = 4.0
+"""Width of a blade's bevel in thicknesses; chosen: 7 degrees a side, a ground knife."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +126,10 @@ class Box(SampledShape):
 
 @dataclass(frozen=True, eq=False)
 class BladeShape(SampledShape):
-    """A flat blade: `length` along x to its tip, `thickness` along y, `width` along z [m].
+    """A blade with two edges: `length` along x to its tip, `thickness` along y, `width` along z.
 
-    Over the last `tip_length` [m] it narrows to a point in the middle of its width.
+    All in [m]. Over the last `tip_length` it narrows to a point in the middle of its width. Its
+    faces meet at the edges under a bevel `BEVEL` thicknesses wide, at most half the width.
     """
 
     length: float
@@ -142,19 +148,32 @@ class BladeShape(SampledShape):
                 "Shorten the tip.",
             )
 
+    @property
+    def bevel(self) -> float:
+        """Width [m] over which the blade thins to its edge."""
+        return min(BEVEL * self.thickness, 0.5 * self.width)
+
     def drawn_box(self) -> tuple[FloatArray, FloatArray]:
         """Corners of the box around it, the middle of the base at the origin."""
         t, w = 0.5 * self.thickness, 0.5 * self.width
         return np.array([0.0, -t, -w]), np.array([self.length, t, w])
 
     def drawn(self) -> SignedDistance:
-        """Distance to the plate that its outline bounds."""
+        """Distance to the plate, its bevelled edges and its base."""
         w, shoulder = 0.5 * self.width, self.length - self.tip_length
-        outline = np.array([[0, -w], [shoulder, -w], [self.length, 0], [shoulder, w], [0, w]])
+        behind = -self.length  # the base has no edge
+        outline = np.array(
+            [[behind, -w], [shoulder, -w], [self.length, 0], [shoulder, w], [behind, w]]
+        )
+        half = 0.5 * self.thickness
+        slope = math.atan2(half, self.bevel)
 
         def function(x: AnyArray, y: AnyArray, z: AnyArray) -> AnyArray:
             flat = polygon_distance(outline, *np.broadcast_arrays(x, z))
-            return joined(flat, np.abs(y) - 0.5 * self.thickness)
+            away = np.abs(y)
+            face = np.maximum(away - half, math.cos(slope) * away + math.sin(slope) * flat)
+            beyond_edge = np.where(flat > 0.0, np.hypot(flat, away), face)
+            return joined(np.maximum(face, beyond_edge), -x)
 
         return sample(function, *self.drawn_box(), min(self.thickness, self.width))
 

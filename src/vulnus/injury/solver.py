@@ -90,7 +90,8 @@ class MpmSolver:
                 self._native,
                 boundary,
                 origin=self._origin,
-                sound_speed=self._native.sound_speed,
+                grid_spacing=grid_spacing,
+                sound_speed=_slowest_sound(self._materials),
             )
         self._material = np.zeros(0, np.uint8)
         self._steps_per_call = 1
@@ -370,6 +371,13 @@ class MpmSolver:
 def set_threads(count: int) -> None:
     """Use `count` threads in this process, 0 for all processors."""
     _native.set_num_threads(count)
+
+
+def _slowest_sound(materials: FloatArray) -> float:
+    """Speed [m/s] of longitudinal waves in the slowest material of a table."""
+    names = ("density", "bulk_modulus", "shear_modulus")
+    density, bulk, shear = (materials[:, COLUMNS.index(name)] for name in names)
+    return float(np.sqrt(np.min((bulk + 4.0 / 3.0 * shear) / density)))
 
 
 def _vector(values: AnyArray) -> Vector3:

@@ -72,13 +72,21 @@ def test_a_nose_shorter_than_the_radius_is_half_an_ellipsoid():
     assert shape.volume == pytest.approx(2.0 / 3.0 * math.pi * 0.004**2 * 0.003, rel=CLOSE)
 
 
-def test_a_blade_is_a_plate_with_a_triangular_tip():
-    shape = BladeShape(0.06, 0.02, 0.002, 0.02)
-    assert shape.volume == pytest.approx(0.002 * (0.04 * 0.02 + 0.5 * 0.02 * 0.02), rel=CLOSE)
-    assert shape.inner_radius == pytest.approx(0.001, rel=0.02)
-    assert shape.centre_of_mass[0] == pytest.approx(
-        (0.8 * 0.02 + 0.2 * (0.04 + 0.02 / 3)), rel=CLOSE
-    )
+def test_a_blade_is_a_plate_that_thins_to_its_edges():
+    """Half thickness at the distance e from the nearest edge: t/2 min(1, e / bevel)."""
+    length, width, thickness, tip = 0.06, 0.02, 0.002, 0.02
+    shape = BladeShape(length, width, thickness, tip)
+    x, z = np.meshgrid(np.linspace(0.0, length, 1201), np.linspace(0.0, width / 2, 401))
+    from_side = 0.5 * width - z
+    normal = np.array([0.5 * width, tip]) / np.hypot(0.5 * width, tip)
+    from_tip = (length - x) * normal[0] - z * normal[1]
+    edge = np.maximum(np.minimum(from_side, from_tip), 0.0)
+    thick = thickness * np.minimum(edge / shape.bevel, 1.0)
+    volume = 2.0 * np.trapezoid(np.trapezoid(thick, x[0], axis=1), z[:, 0])
+    moment = 2.0 * np.trapezoid(np.trapezoid(thick * x, x[0], axis=1), z[:, 0])
+    assert shape.volume == pytest.approx(volume, rel=CLOSE)
+    assert shape.inner_radius == pytest.approx(0.5 * thickness, rel=0.02)
+    assert shape.centre_of_mass[0] == pytest.approx(moment / volume, rel=CLOSE)
 
 
 def test_the_distance_of_a_box_is_that_to_its_faces_edges_and_corners():
