@@ -54,7 +54,7 @@ def test_a_pulse_leaves_through_absorbing_ends(offset):
         return np.exp(-(((x - 0.5 * length) / (6.0 * SPACING)) ** 2))
 
     def left(boundary):
-        x, solver = bar(60, [boundary], speed=pulse, offset=offset * SPACING, material=thin)
+        _, solver = bar(60, [boundary], speed=pulse, offset=offset * SPACING, material=thin)
         before = solver.totals()["kinetic_energy"]
         solver.advance(until=0.85 * length / np.sqrt(stiffness / 1000.0))
         height = np.max(np.abs(solver.velocity[:, 0])) / 0.5

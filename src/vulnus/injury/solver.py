@@ -375,9 +375,9 @@ def set_threads(count: int) -> None:
 
 def _slowest_sound(materials: FloatArray) -> float:
     """Speed [m/s] of longitudinal waves in the slowest material of a table."""
-    names = ("density", "bulk_modulus", "shear_modulus")
-    density, bulk, shear = (materials[:, COLUMNS.index(name)] for name in names)
-    return float(np.sqrt(np.min((bulk + 4.0 / 3.0 * shear) / density)))
+    names = ("density", "bulk_modulus", "shear_modulus", "network_modulus")
+    density, bulk, shear, network = (materials[:, COLUMNS.index(name)] for name in names)
+    return float(np.sqrt(np.min((bulk + 4.0 / 3.0 * (shear + network)) / density)))
 
 
 def _vector(values: AnyArray) -> Vector3:
