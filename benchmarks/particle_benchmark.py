@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
+
+BUSY = 1.5
+"""Load average from which a measurement is not trusted; chosen: more than one other program."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +57,10 @@ class ParticleBenchmark:
     def run(self) -> None:
         """Measure each size, print a line for it, and the JSON object where it is asked for."""
         args = self.arguments()
+        if os.getloadavg()[0] > BUSY:
+            print(
+                f"busy machine (load {os.getloadavg()[0]:.1f}): rates come out too low, ratios odd"
+            )
         cases = []
         for count in args.particles:
             case = self.measure(int(count), args.threads, args.repeats)
