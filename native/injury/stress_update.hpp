@@ -51,7 +51,7 @@ VULNUS_HD Symmetric3<R> resting_kirchhoff(const Material<R>& m, const PointState
 template <class R>
 VULNUS_HD StressUpdate<R> update_stress(const Material<R>& m, R rate, PointState<R>& point) {
   const Eigen3<R> e = symmetric_eigen(point.strain);
-  R hencky[3], stress[3], rebuilt[3];
+  R hencky[3], stress[3];
   principal_hencky(e, hencky);
   const R opening = point.opening;
   const R log_jacobian = hencky[0] + hencky[1] + hencky[2] + opening;
@@ -65,6 +65,7 @@ VULNUS_HD StressUpdate<R> update_stress(const Material<R>& m, R rate, PointState
   changed |= opening > R{};
   point.damage = point.worst_damage(m);
   if (any(changed)) {
+    R rebuilt[3];
     for (int a = 0; a < 3; ++a) rebuilt[a] = exp_minus_one(broadcast<R>(2) * hencky[a]);
     point.strain = choose(changed, from_principal(e.vector, rebuilt), point.strain);
   }
@@ -75,9 +76,8 @@ VULNUS_HD StressUpdate<R> update_stress(const Material<R>& m, R rate, PointState
   const Symmetric3<R> network = network_kirchhoff(point.network, stretch.scale, modulus);
   const auto connected = (m.network_modulus > R{}) & (sound > R{});
   point.network = choose(connected, point.network, Symmetric3<R>{});
-  const R stiffness = m.bulk_modulus * volumetric_stiffening(m, hencky[0] + hencky[1] + hencky[2]) +
-                      broadcast<R>(4.0 / 3.0) * m.shear_modulus +
-                      network_stiffness(m, stretch.excess, modulus);
+  const R trace = hencky[0] + hencky[1] + hencky[2];
+  const R stiffness = point_stiffness(m, trace, stretch.excess, modulus);
   return {add(from_principal(e.vector, stress), network), stiffness / m.density};
 }
 
