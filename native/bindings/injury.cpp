@@ -91,21 +91,23 @@ class Solver {
     table_ = table;
   }
 
-  void set_particles(Array2<double> position, Array2<double> velocity, Array1<double> volume,
-                     Array1<std::uint8_t> material) {
+  void make_particles(std::size_t n) { solver_.particles().reset(static_cast<int>(n)); }
+
+  // The particles from number `first` on; in pieces, so that no whole copy stands in between.
+  void set_particles(std::size_t first, Array2<double> position, Array2<double> velocity,
+                     Array1<double> volume, Array1<std::uint8_t> material) {
     const std::size_t n = position.shape(0);
-    if (velocity.shape(0) != n || volume.shape(0) != n || material.shape(0) != n ||
-        position.shape(1) != 3 || velocity.shape(1) != 3)
-      throw std::invalid_argument("the particle arrays differ in length");
     auto& set = solver_.particles();
-    set.reset(static_cast<int>(n));
+    if (velocity.shape(0) != n || volume.shape(0) != n || material.shape(0) != n ||
+        position.shape(1) != 3 || velocity.shape(1) != 3 || first + n > set.id.size())
+      throw std::invalid_argument("the particle arrays differ in length");
     for (std::size_t p = 0; p < n; ++p) {
       for (int a = 0; a < 3; ++a) {
-        set.field[kPosition + a][p] = T(position(p, a));
-        set.field[kVelocity + a][p] = T(velocity(p, a));
+        set.field[kPosition + a][first + p] = T(position(p, a));
+        set.field[kVelocity + a][first + p] = T(velocity(p, a));
       }
-      set.field[kVolume][p] = T(volume(p));
-      set.material[p] = std::min<std::uint8_t>(material(p), kMaterialCapacity - 1);
+      set.field[kVolume][first + p] = T(volume(p));
+      set.material[first + p] = std::min<std::uint8_t>(material(p), kMaterialCapacity - 1);
     }
   }
 
@@ -237,13 +239,14 @@ void bind_solver(nb::module_& m, const char* name) {
           "add_boundary",
           [](S& s, int kind, Vec3 normal, double height, Vec3 velocity, double friction,
              double thickness, double rate, double exponent) {
-            s.native().boundaries().push_back(
-                make_half_space(kind, normal, height, velocity, friction, thickness, rate, exponent));
+            s.native().boundaries().push_back(make_half_space(kind, normal, height, velocity,
+                                                              friction, thickness, rate, exponent));
           },
           nb::kw_only(), nb::arg("kind"), nb::arg("normal"), nb::arg("height"), nb::arg("velocity"),
           nb::arg("friction"), nb::arg("thickness"), nb::arg("rate"), nb::arg("exponent"))
       .def("body_state", &S::body_state)
       .def("set_body_state", &S::set_body_state)
+      .def("make_particles", &S::make_particles)
       .def("set_particles", &S::set_particles)
       .def("values", &S::values)
       .def("set_values", &S::set_values)

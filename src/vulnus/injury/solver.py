@@ -42,6 +42,7 @@ FAULTS = {
     16: "a time step that is too small",
 }
 ADVICE = "Try a smaller courant_number (0.3) or a finer grid_spacing."
+PARTICLES_AT_ONCE = 1 << 18  # chosen: 12 MB of copies instead of those of all particles
 WALL_TIME_OF_A_CALL = 0.15  # [s]: Ctrl-C is answered between native calls
 
 
@@ -105,22 +106,31 @@ class MpmSolver:
         velocity: AnyArray | None = None,
     ) -> None:
         """Put in the particles: `position` (n, 3) [m], `volume` (n,) [m³], `material` (n,) rows."""
-        local = np.ascontiguousarray(np.asarray(position, np.float64) - self._origin)
-        if velocity is None:
-            velocity = np.zeros_like(local)
+        where, sizes = np.asarray(position), np.asarray(volume)
+        speed = None if velocity is None else np.asarray(velocity)
         self._material = np.ascontiguousarray(material, dtype=np.uint8)
+        lengths = {len(a) for a in (where, sizes, self._material, speed) if a is not None}
+        if len(lengths) != 1:
+            told = f"arrays have the lengths {sorted(lengths)}"
+            raise ScenarioError("particles", told, "Give each n rows.")
         if self._material.max(initial=0) >= len(self._materials):
             raise ScenarioError(
                 "material",
                 f"row {self._material.max()} of a table of {len(self._materials)}",
                 "Give every particle a row of the material table.",
             )
-        self._native.set_particles(
-            local,
-            np.ascontiguousarray(velocity, dtype=np.float64),
-            np.ascontiguousarray(volume, dtype=np.float64),
-            self._material,
-        )
+        self._native.make_particles(len(where))
+        for first in range(0, len(where), PARTICLES_AT_ONCE):
+            part = slice(first, first + PARTICLES_AT_ONCE)
+            local = np.ascontiguousarray(where[part] - self._origin, dtype=np.float64)
+            moving = np.zeros_like(local) if speed is None else speed[part]
+            self._native.set_particles(
+                first,
+                local,
+                np.ascontiguousarray(moving, dtype=np.float64),
+                np.ascontiguousarray(sizes[part], dtype=np.float64),
+                self._material[part],
+            )
 
     def set_tracers(self, position: FloatArray) -> None:
         """Put in massless points (n, 3) [m] that move with the material."""
