@@ -173,10 +173,9 @@ def _trace(
     bodies: Sequence[TriangleSurface],
 ) -> FloatArray:
     """The points as balls with the projectiles, in linear light."""
-    right, up, _ = camera.axes
-    ends = scene.middle + np.array([[0.0], [points.spacing]]) * right
+    ends = scene.middle + np.array([[0.0], [points.spacing]]) * camera.axes[0]
     pixels = float(np.ptp(camera.project(ends)[:, 0]))
-    shown = points.only(seen_from(points, right, up))
+    shown = points.only(seen_from(points, camera))
     balls = ball_surface(shown, round_balls=pixels > _ROUND_FROM)
     layers = [Layer(balls, "tissue")]
     for body in bodies:

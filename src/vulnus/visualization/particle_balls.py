@@ -6,8 +6,9 @@ import functools
 
 import numpy as np
 
-from ..core.arrays import AnyArray, BoolArray, Float32Array, FloatArray, IntArray, LabelArray
+from ..core.arrays import BoolArray, Float32Array, FloatArray, IntArray, LabelArray
 from ..core.handoff import Tissue, TriangleSurface
+from .camera import Camera
 from .surface import TissuePoints
 
 FIGURE_2_LIGHT: dict[Tissue, tuple[float, float, float]] = {
@@ -23,6 +24,7 @@ FIGURE_2_LIGHT: dict[Tissue, tuple[float, float, float]] = {
 
 _BALL_RADIUS = 0.62  # spacings; chosen: neighbours just touch, no light falls through whole tissue
 _DARK = 0.45  # chosen: how much darker a ball of destroyed tissue is
+_PLACE_WIDTH = 2.0  # spacings; chosen: no place of whole tissue is without a point
 _KEPT_DEPTH = 12.0  # spacings behind the foremost ball; chosen: closes the gaps of a torn wall
 
 
@@ -56,32 +58,37 @@ def ball_colours(tissue: LabelArray, damage: Float32Array) -> Float32Array:
     return colours
 
 
-def seen_from(points: TissuePoints, right: FloatArray, up: FloatArray) -> BoolArray:
-    """Which points (n,) may be seen by a viewer far away, with `right` and `up` in his picture.
+def seen_from(points: TissuePoints, camera: Camera) -> BoolArray:
+    """Which points (n,) a camera may see.
 
     Points well behind the foremost one of their place in the picture are left out, which spares
     the ray tracer millions of triangles.
     """
     if points.position.shape[0] == 0:
         return np.zeros(0, np.bool_)
-    toward = np.cross(right, up)
-    cell = 2.0 * points.spacing
-    column = _places(points.position @ right, cell)
-    row = _places(points.position @ up, cell)
-    depth = np.asarray(points.position @ toward, np.float64)
-    foremost = np.full((row.max() + 1, column.max() + 1), -np.inf)
-    np.maximum.at(foremost, (row, column), depth)
+    depth = (points.position - np.asarray(camera.origin)) @ camera.axes[2]
+    before = depth < 0.0
+    focal = 0.5 * camera.width / np.tan(0.5 * camera.field_of_view)
+    distance = float(np.linalg.norm(np.subtract(camera.target, camera.origin)))
+    cell = _PLACE_WIDTH * points.spacing * focal / distance
+    pixels = camera.project(points.position[before])
+    column, row = (_places(pixels[:, axis], cell) for axis in range(2))
+    foremost = np.full((row.max(initial=0) + 1, column.max(initial=0) + 1), -np.inf)
+    np.maximum.at(foremost, (row, column), depth[before])
     # What a place hides is bounded by the least deep of its neighbours: light comes in aslant.
     padded = np.pad(foremost, 1, constant_values=-np.inf)
     shape = foremost.shape
     shifted = [padded[i : i + shape[0], j : j + shape[1]] for i in range(3) for j in range(3)]
     least = np.min(shifted, axis=0)
-    seen: BoolArray = depth > least[row, column] - _KEPT_DEPTH * points.spacing
+    seen = np.zeros(len(before), np.bool_)
+    seen[before] = depth[before] > least[row, column] - _KEPT_DEPTH * points.spacing
     return seen
 
 
-def _places(coordinate: AnyArray, cell: float) -> IntArray:
-    places: IntArray = np.floor((coordinate - np.min(coordinate)) / cell).astype(np.int32)
+def _places(coordinate: FloatArray, cell: float) -> IntArray:
+    places: IntArray = np.floor((coordinate - np.min(coordinate, initial=0.0)) / cell).astype(
+        np.int32
+    )
     return places
 
 

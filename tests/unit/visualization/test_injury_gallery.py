@@ -18,6 +18,7 @@ from vulnus.core.handoff import (
     TriangleSurface,
 )
 from vulnus.visualization import InjuryToDraw, VisualizationParameters, draw_injury_gallery
+from vulnus.visualization.camera import frame_points
 from vulnus.visualization.impact_view import ShotScene, instants
 from vulnus.visualization.particle_balls import ball_surface, seen_from
 from vulnus.visualization.projectile_view import projectiles_in
@@ -58,13 +59,38 @@ def test_each_ball_is_a_closed_sphere_around_its_point(*, round_balls: bool) -> 
 
 def test_the_foremost_points_are_kept_and_those_far_behind_them_left_out() -> None:
     cells = 1e-3 * np.stack(np.meshgrid(*[np.arange(40)] * 3, indexing="ij"), -1).reshape(-1, 3)
-    seen = seen_from(points_of(cells), np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+    camera = frame_points(
+        cells, toward_camera=(0.0, 0.0, 1.0), up=(0.0, 1.0, 0.0), width=300, height=300
+    )
+    seen = seen_from(points_of(cells), camera)
     depth = cells[:, 2]
-    inner = np.all((cells[:, :2] > 3e-3) & (cells[:, :2] < 36e-3), axis=1)
+    inner = np.all((cells[:, :2] > 8e-3) & (cells[:, :2] < 31e-3), axis=1)
     assert np.all(seen[depth > 0.030])
     assert not np.any(seen[inner & (depth < 0.020)])
-    nothing = points_of(np.zeros((0, 3)))
-    assert len(seen_from(nothing, np.array([1.0, 0, 0]), np.array([0.0, 1, 0]))) == 0
+    behind = points_of(cells + [0.0, 0.0, 10.0])  # behind the camera
+    assert not np.any(seen_from(behind, camera))
+    assert len(seen_from(points_of(np.zeros((0, 3))), camera)) == 0
+
+
+def test_the_wall_of_a_wide_tract_is_kept_where_perspective_shows_it() -> None:
+    cells = 1e-3 * np.stack(np.meshgrid(*[np.arange(40)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    beside = np.linalg.norm(cells[:, :2] - 0.0195, axis=1)
+    radius = np.where(cells[:, 2] > 0.030, 8e-3, 12e-3)  # wider inside than at its mouth
+    cells, beside, radius = (one[beside > radius] for one in (cells, beside, radius))
+    camera = frame_points(
+        cells,
+        toward_camera=(0.0, 0.0, 1.0),
+        up=(0.0, 1.0, 0.0),
+        width=300,
+        height=300,
+        field_of_view=np.deg2rad(60.0),
+    )
+    seen = seen_from(points_of(cells), camera)
+    mouth = camera.project(np.array([[0.0195, 0.0195, 0.039], [0.0275, 0.0195, 0.039]]))
+    off = np.linalg.norm(camera.project(cells) - mouth[0], axis=1)
+    visible = (off < 0.9 * np.ptp(mouth[:, 0])) & (beside < radius + 1e-3)
+    assert np.count_nonzero(visible & (cells[:, 2] < 0.02)) > 100
+    assert np.all(seen[visible])
 
 
 def test_instants_are_before_inside_at_the_exit_at_the_largest_cavity_and_the_end() -> None:
