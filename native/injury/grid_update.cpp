@@ -9,6 +9,7 @@ namespace vulnus::injury {
 
 namespace {
 
+constexpr std::size_t kFew = 32;     // blocks that one thread does sooner than two are woken
 constexpr double kBlockReach = 2.6;  // cells: half of a block's diagonal, sqrt(3) 1.5
 
 // A node in the middle plane of a plate stands for the tissue on both sides: it touches the face
@@ -40,7 +41,7 @@ double MpmSolver<T>::update_grid(double dt) {
   for (int i = 0; i < grid_.active(); ++i)
     if (near_body_[i]) near_blocks_.push_back(i);
   for (RigidBody& body : bodies_) collide(body);
-#pragma omp parallel for schedule(static) reduction(max : largest)
+#pragma omp parallel for schedule(static) reduction(max : largest) if (near_blocks_.size() > kFew)
   for (std::size_t k = 0; k < near_blocks_.size(); ++k)
     largest = std::max(largest, finish_block(near_blocks_[k], dt));
   reflect_mirrors();
@@ -161,7 +162,7 @@ void MpmSolver<T>::find_contacts(const RigidBody& body, int i,
 template <class T>
 void MpmSolver<T>::collide(RigidBody& body) {
   block_contacts_.resize(std::max(block_contacts_.size(), near_blocks_.size()));
-#pragma omp parallel for schedule(dynamic, 4)
+#pragma omp parallel for schedule(dynamic, 4) if (near_blocks_.size() > kFew)
   for (std::size_t k = 0; k < near_blocks_.size(); ++k)
     find_contacts(body, near_blocks_[k], block_contacts_[k]);
   contacts_.clear();
