@@ -135,7 +135,7 @@ def _thrust(
 def _warn_of_small(projectile: ProjectileParameters, grid_spacing: float) -> None:
     """Say where a ball is so small that it acts as a larger one, lest it slip between nodes."""
     smallest = 1.8 * grid_spacing
-    if projectile.shape == "sphere" and projectile.diameter < smallest:
+    if projectile.shape == "sphere" and projectile.diameter < 0.999 * smallest:
         given, cell, acting = (
             v / MILLIMETRE for v in (projectile.diameter, grid_spacing, smallest)
         )

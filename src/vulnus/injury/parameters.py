@@ -127,8 +127,8 @@ class InjuryParameters:
     """Time from first contact to the end of the run [s]; None: 1 ms in the mode "paper" (section
     2.2), else 15 ms, when a temporary cavity has collapsed (5-15 ms, PHYSICS 2)."""
     phase_one: float = 1e-3
-    """Least time [s] with the tissues' true moduli; they stay as long as the projectile is in the
-    limb. Chosen: as long as the paper's whole run."""
+    """Least time [s] with the tissues' true moduli; they stay as long as a projectile in the limb
+    is faster than a tenth of `relaxation_sound_speed`. Chosen: as long as the paper's whole run."""
     relaxation_sound_speed: float = 300.0
     """Speed of sound [m/s] that every tissue is slowed to after that, by a lower bulk modulus, so
     that the collapse takes larger steps; chosen: ten times the speed of a collapsing cavity's wall.
@@ -142,10 +142,10 @@ class InjuryParameters:
     whole limb. Tissue outside stays where it is. Chosen: 0.12, PHYSICS.md 1.6."""
     held_length: float = 0.006
     """Length [m] at both ends of the limb where the tissue is held fast; chosen: two cells."""
-    absorbing_length: float = 0.012
-    """Length [m] inside an end where the window cuts the limb over which waves are taken up, so
-    that the rest of the limb need not be there; 0: such an end is held like the limb's own.
-    Chosen: four cells."""
+    absorbing_length: float = 0.02
+    """Length [m] inside an end where the window cuts the limb over which motion is damped as the
+    rest of the limb would, which gives way and carries waves off; 0: such an end is held like the
+    limb's own. Chosen: a sixth of the window."""
     gravity: Vector3 = (0.0, 0.0, -STANDARD_GRAVITY)
     """Acceleration of gravity [m/s²]; a standing patient by default."""
     frame_interval: float = 5e-5

@@ -109,9 +109,11 @@ class RunRecord:
 
     @property
     def history(self) -> CavityHistory:
-        """The cavity's volume over time."""
+        """The cavity's volume over time, less what was there before the shot (folds of the skin)."""
         rows = np.array(self.cavity, np.float64).reshape(-1, 2)
-        return CavityHistory(time=rows[:, 0].copy(), volume=rows[:, 1].copy())
+        return CavityHistory(
+            time=rows[:, 0].copy(), volume=np.maximum(rows[:, 1] - rows[:1, 1], 0.0)
+        )
 
     def entries(self) -> dict[str, CheckpointValue]:
         """All of it for a checkpoint."""

@@ -9,15 +9,15 @@ from typing import get_args
 
 import numpy as np
 
-from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, IndexArray
+from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, IndexArray, Vector3
 from vulnus.core.errors import AnatomyError, ScenarioError
 from vulnus.core.handoff import LimbModel, ShotLine
 from vulnus.core.units import MILLIMETRE
 
 from . import wound
-from .boundaries import AbsorbingEnds, Boundary, HeldEnds
+from .boundaries import ABSORPTION, AbsorbingEnds, Boundary, HeldEnds
 from .flying_bodies import body_at_contact
-from .materials import tissue_table
+from .materials import COLUMNS, tissue_table
 from .parameters import (
     InjuryMode,
     InjuryParameters,
@@ -39,6 +39,11 @@ POSITIVE = {
     "bone_modulus_scale": "bone_modulus_scale",
 }
 """Parameters that must be > 0, and their keys in a scenario."""
+
+YIELDING_SPEED = 140.0
+"""Speed of waves [m/s] along a limb that bulges freely, sqrt(3 G/rho) with the muscle's 3.5 MPa is
+100 m/s, with its bone more; chosen: a window of 12 cm then gives the whole leg's tract (validation
+case window)."""
 
 FAR_OFF = 1e6
 """A height [m] that nothing reaches, for the end of a boundary that has one end only."""
@@ -113,12 +118,12 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
     materials = tissue_table(
         parameters.grid_spacing, bone_modulus_scale=parameters.bone_modulus_scale
     )
-    margin = DOMAIN_MARGIN * max(1.0, parameters.end_time / 1e-3)
+    lower, upper = domain_of(inside, shots[0], parameters)
     solver = MpmSolver(
         materials=materials,
         grid_spacing=parameters.grid_spacing,
-        lower=_triple(inside.min(axis=0) - margin),
-        upper=_triple(inside.max(axis=0) + margin),
+        lower=lower,
+        upper=upper,
         courant_number=parameters.courant_number,
         gravity=parameters.gravity,
         bodies=[
@@ -131,7 +136,7 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
             )
             for each, shot in zip(flying, shots, strict=True)
         ],
-        boundaries=ends_of(window, parameters),
+        boundaries=ends_of(window, parameters, fastest_sound(materials)),
     )
     solver.set_particles(inside, volume=limb.volume[simulated], material=limb.tissue[simulated])
     stations = tuple(
@@ -149,6 +154,21 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
         tracer_range=tracer_range,
         tracer_inside=tracer_inside,
     )
+
+
+def domain_of(
+    points: FloatArray, shot: ShotLine, parameters: InjuryParameters
+) -> tuple[Vector3, Vector3]:
+    """Two corners [m] of a box around the points (n, 3) [m] with room for what flies off.
+
+    Its middle, where the solver has its origin, is the node nearest to the entry of a lattice that
+    stands still in space: how the limb lies among the nodes does not depend on the window.
+    """
+    cell = parameters.grid_spacing
+    middle = cell * np.round(np.asarray(shot.entry_point) / cell)
+    margin = DOMAIN_MARGIN * max(1.0, parameters.end_time / 1e-3)
+    half = np.max(np.abs(points - middle), axis=0) + margin
+    return _triple(middle - half), _triple(middle + half)
 
 
 def long_axis(position: FloatArray) -> FloatArray:
@@ -186,31 +206,52 @@ def window_of(
     )
 
 
-def ends_of(window: Window, parameters: InjuryParameters) -> list[Boundary]:
-    """What holds the simulated part: the limb's own ends are held, cut ones absorb waves."""
-    axis, held = _triple(window.axis), parameters.held_length
-    lower, upper = window.lower + held, window.upper - held
-    absorbs_below = window.cut_below and parameters.absorbing_length > 0.0
-    absorbs_above = window.cut_above and parameters.absorbing_length > 0.0
+def ends_of(window: Window, parameters: InjuryParameters, sound_speed: float) -> list[Boundary]:
+    """What holds the simulated part: the limb's own ends are held, cut ones yield and calm waves.
+
+    Tissue that a cavity displaces pushes along the limb, which gives way as a bar of tissue does.
+    So a cut end is not held: over `absorbing_length` d it is damped, with the rate of an absorbing
+    end whose held part lies beyond the tissue, 14 c/L (x/L)² at the depth x, and L such that the
+    damping in the tissue is worth YIELDING_SPEED: 14 c d³ / (3 L³). `sound_speed` [m/s] is the
+    fastest c.
+    """
+    axis, held, length = (
+        _triple(window.axis),
+        parameters.held_length,
+        parameters.absorbing_length,
+    )
+    below, above = window.cut_below and length > 0.0, window.cut_above and length > 0.0
     ends: list[Boundary] = []
-    if not (absorbs_below and absorbs_above):
+    if not (below and above):
         ends.append(
             HeldEnds(
                 axis=axis,
-                lower=-FAR_OFF if absorbs_below else lower,
-                upper=FAR_OFF if absorbs_above else upper,
+                lower=-FAR_OFF if below else window.lower + held,
+                upper=FAR_OFF if above else window.upper - held,
             )
         )
-    if absorbs_below or absorbs_above:
+    if below or above:
+        steep = max(1.0, ABSORPTION * sound_speed / (3.0 * YIELDING_SPEED))
+        thickness = length * steep ** (1.0 / 3.0)
+        beyond = thickness - length
         ends.append(
             AbsorbingEnds(
                 axis=axis,
-                lower=lower if absorbs_below else -FAR_OFF,
-                upper=upper if absorbs_above else FAR_OFF,
-                thickness=parameters.absorbing_length,
+                lower=window.lower - beyond if below else -FAR_OFF,
+                upper=window.upper + beyond if above else FAR_OFF,
+                thickness=thickness,
             )
         )
     return ends
+
+
+def fastest_sound(materials: FloatArray) -> float:
+    """Speed [m/s] of the fastest longitudinal waves in a table of materials at rest."""
+    density, bulk, shear, network = (
+        materials[:, COLUMNS.index(name)]
+        for name in ("density", "bulk_modulus", "shear_modulus", "network_modulus")
+    )
+    return float(np.sqrt((bulk + 4.0 / 3.0 * (shear + network)) / density).max())
 
 
 def _place_tracers(

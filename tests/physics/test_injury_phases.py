@@ -1,0 +1,109 @@
+"""The second phase, with slowed materials, closes the cavity as the true moduli do.
+
+And the run keeps both states: the cavity when it is largest, and when it has collapsed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from reference.mpm_limb import synthetic_limb
+
+from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters, shoot
+from vulnus.injury.passage import frame_times
+
+pytestmark = pytest.mark.physics
+
+SHOT = InjuryParameters(
+    projectile=ProjectileParameters(diameter=0.01, speed=200.0, motion="dynamic", mass=0.02),
+    aim=AimParameters(target=(0.0, 0.0, 0.0)),
+    grid_spacing=0.004,
+    duration=3e-3,
+    phase_one=1e-3,
+    frame_interval=1e-4,
+    window_length=None,
+    threads=1,
+)
+
+
+@pytest.fixture(scope="module")
+def muscle():
+    """A cylinder of muscle in its skin, without bone."""
+    return synthetic_limb(spacing=0.0025, radius=0.024, length=0.066, skin=0.003, bone_radius=0.0)
+
+
+@pytest.fixture(scope="module")
+def slowed(muscle):
+    return shoot(muscle, SHOT)
+
+
+@pytest.fixture(scope="module")
+def unslowed(muscle):
+    return shoot(muscle, replace(SHOT, relaxation_sound_speed=0.0))
+
+
+def destroyed_volume(outcome):
+    limb = outcome.permanent
+    return float(limb.volume[limb.damage >= 0.9].sum())
+
+
+def test_slowed_materials_give_the_tract_of_the_true_moduli(slowed, unslowed):
+    """The same tissue destroyed and the same tract, 3 %, in half of the steps or less."""
+    assert slowed.report.steps < 0.7 * unslowed.report.steps
+    assert destroyed_volume(slowed) == pytest.approx(destroyed_volume(unslowed), rel=0.03)
+    radii = [o.report.projectiles[0].tract.destroyed_radius for o in (slowed, unslowed)]
+    assert np.mean(radii[0]) == pytest.approx(np.mean(radii[1]), rel=0.03)
+
+
+def test_the_cavity_closes_with_slowed_materials_as_without(slowed, unslowed):
+    """Within a tenth of the largest volume at the end."""
+    largest = slowed.report.cavity.volume.max()
+    end = [outcome.report.cavity.volume[-1] for outcome in (slowed, unslowed)]
+    assert largest == unslowed.report.cavity.volume.max()  # it is reached before the phases part
+    assert end[0] == pytest.approx(end[1], abs=0.1 * largest)
+    assert end[0] < 0.5 * largest
+
+
+def test_both_states_are_kept_by_name(slowed):
+    """The temporary one is that of the largest volume; the wound that bleeds is the last."""
+    report = slowed.report
+    assert list(slowed.states) == ["temporary", "permanent"]
+    largest = report.cavity.time[np.argmax(report.cavity.volume)]
+    assert slowed.temporary.time == report.temporary_time == largest
+    assert slowed.permanent.time == SHOT.duration
+    assert slowed.wound is slowed.permanent
+    moved = np.linalg.norm(slowed.temporary.position - slowed.permanent.position, axis=1)
+    assert moved.max() > 0.002
+    assert np.all(slowed.permanent.damage >= slowed.temporary.damage)
+
+
+def test_the_projectiles_loss_is_what_lies_along_the_path(slowed):
+    """To 1e-5: the body's work and its kinetic energy are sums of the same impulses in float64."""
+    (ball,) = slowed.report.projectiles
+    assert ball.fate == "left"
+    assert ball.energy.total == pytest.approx(ball.energy_before - ball.energy_after, rel=1e-5)
+    assert ball.energy_before == pytest.approx(0.5 * 0.02 * 200.0**2)
+    assert np.all(ball.energy.energy > -1e-3 * ball.energy.total)
+
+
+def test_paper_mode_has_one_state_at_one_millisecond(muscle):
+    parameters = replace(SHOT, mode="paper", duration=1e-4)
+    assert replace(parameters, duration=None).end_time == 1e-3
+    outcome = shoot(muscle, parameters)
+    assert list(outcome.states) == ["permanent"]
+    assert outcome.wound is outcome.temporary is outcome.permanent
+    assert outcome.report.flight_steps == outcome.report.steps
+
+
+def test_frames_are_dense_in_the_first_phase_and_bounded_after_it():
+    times = [time for _, time in frame_times(InjuryParameters())]
+    assert len(times) == 48
+    assert times[19] == pytest.approx(1e-3)
+    assert times[-1] == 15e-3
+    assert np.diff(times) == pytest.approx([5e-5] * 19 + [5e-4] * 28)
+    paper = [time for _, time in frame_times(InjuryParameters(mode="paper"))]
+    assert np.diff(paper) == pytest.approx([5e-5] * 19)
+    short = [time for _, time in frame_times(InjuryParameters(duration=1.2e-4))]
+    assert short == pytest.approx([5e-5, 1e-4, 1.2e-4])
