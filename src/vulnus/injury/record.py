@@ -109,7 +109,7 @@ class RunRecord:
 
     @property
     def history(self) -> CavityHistory:
-        """The cavity's volume over time, less what was there before the shot (folds of the skin)."""
+        """The cavity's volume over time, less what was there before the shot (folds of skin)."""
         rows = np.array(self.cavity, np.float64).reshape(-1, 2)
         return CavityHistory(
             time=rows[:, 0].copy(), volume=np.maximum(rows[:, 1] - rows[:1, 1], 0.0)

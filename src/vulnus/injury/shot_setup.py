@@ -15,9 +15,9 @@ from vulnus.core.handoff import LimbModel, ShotLine
 from vulnus.core.units import MILLIMETRE
 
 from . import wound
-from .boundaries import ABSORPTION, AbsorbingEnds, Boundary, HeldEnds
+from .boundaries import AbsorbingEnds, Boundary, HeldEnds
 from .flying_bodies import body_at_contact
-from .materials import COLUMNS, tissue_table
+from .materials import tissue_table
 from .parameters import (
     InjuryMode,
     InjuryParameters,
@@ -136,7 +136,7 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
             )
             for each, shot in zip(flying, shots, strict=True)
         ],
-        boundaries=ends_of(window, parameters, fastest_sound(materials)),
+        boundaries=ends_of(window, parameters),
     )
     solver.set_particles(inside, volume=limb.volume[simulated], material=limb.tissue[simulated])
     stations = tuple(
@@ -206,20 +206,13 @@ def window_of(
     )
 
 
-def ends_of(window: Window, parameters: InjuryParameters, sound_speed: float) -> list[Boundary]:
+def ends_of(window: Window, parameters: InjuryParameters) -> list[Boundary]:
     """What holds the simulated part: the limb's own ends are held, cut ones yield and calm waves.
 
-    Tissue that a cavity displaces pushes along the limb, which gives way as a bar of tissue does.
-    So a cut end is not held: over `absorbing_length` d it is damped, with the rate of an absorbing
-    end whose held part lies beyond the tissue, 14 c/L (x/L)² at the depth x, and L such that the
-    damping in the tissue is worth YIELDING_SPEED: 14 c d³ / (3 L³). `sound_speed` [m/s] is the
-    fastest c.
+    Tissue that a cavity displaces pushes along the limb, which gives way as a bar does: a cut end
+    resists over `absorbing_length` like a bar with waves of `YIELDING_SPEED`.
     """
-    axis, held, length = (
-        _triple(window.axis),
-        parameters.held_length,
-        parameters.absorbing_length,
-    )
+    axis, held, length = _triple(window.axis), parameters.held_length, parameters.absorbing_length
     below, above = window.cut_below and length > 0.0, window.cut_above and length > 0.0
     ends: list[Boundary] = []
     if not (below and above):
@@ -231,27 +224,16 @@ def ends_of(window: Window, parameters: InjuryParameters, sound_speed: float) ->
             )
         )
     if below or above:
-        steep = max(1.0, ABSORPTION * sound_speed / (3.0 * YIELDING_SPEED))
-        thickness = length * steep ** (1.0 / 3.0)
-        beyond = thickness - length
         ends.append(
             AbsorbingEnds(
                 axis=axis,
-                lower=window.lower - beyond if below else -FAR_OFF,
-                upper=window.upper + beyond if above else FAR_OFF,
-                thickness=thickness,
+                lower=window.lower if below else -FAR_OFF,
+                upper=window.upper if above else FAR_OFF,
+                thickness=length,
+                sound_speed=YIELDING_SPEED,
             )
         )
     return ends
-
-
-def fastest_sound(materials: FloatArray) -> float:
-    """Speed [m/s] of the fastest longitudinal waves in a table of materials at rest."""
-    density, bulk, shear, network = (
-        materials[:, COLUMNS.index(name)]
-        for name in ("density", "bulk_modulus", "shear_modulus", "network_modulus")
-    )
-    return float(np.sqrt((bulk + 4.0 / 3.0 * (shear + network)) / density).max())
 
 
 def _place_tracers(
@@ -314,7 +296,7 @@ def _check_lengths(parameters: InjuryParameters, limb: LimbModel) -> None:
             "Use about twice anatomy.particle_spacing_mm, or the tissue falls apart between cells.",
         )
     window = parameters.window_length
-    ends = parameters.held_length + parameters.absorbing_length
+    ends = max(parameters.held_length, parameters.absorbing_length)
     if window is not None and not window > 2.0 * ends:
         raise ScenarioError(
             "injury.window_length_mm",

@@ -128,7 +128,7 @@ def test_ends_absorb_only_where_the_window_cuts_the_limb(limb):
         if place == "end":
             shot = replace(shot, entry_point=(0, 0, 0.02), exit_point=(0, 0, 0.02))
         window = window_of(height, [shot], axis, length)
-        kinds[place] = [type(end) for end in ends_of(window, AIMED, 1500.0)]
+        kinds[place] = [type(end) for end in ends_of(window, AIMED)]
     assert kinds["middle"] == [AbsorbingEnds]
     assert kinds["whole"] == [HeldEnds]
     assert kinds["end"] == [HeldEnds, AbsorbingEnds]
