@@ -68,7 +68,7 @@ def points_in_limb(path: FlightPath, limb_points: AnyArray, reach: float) -> Flo
 
     arc = path.arc_length
     if arc[-1] < SHORTEST:
-        return path.position[0] + np.array([[0.0, 0.0, 0.0], [SHORTEST, 0.0, 0.0]])
+        return np.stack([path.position[0], path.position[0] + np.array([SHORTEST, 0.0, 0.0])])
     count = max(2, int(np.ceil(arc[-1] / (0.25 * STATION_SPACING))) + 1)
     where = np.linspace(0.0, arc[-1], count)
     fine = _on_path(path.position, arc, where)
