@@ -48,11 +48,13 @@ MaterialTable<T> make_table(Array2<double> rows) {
 }
 
 SolverSettings make_settings(double grid_spacing, double courant_number, Vec3 gravity,
-                             Vec3 domain_lower, Vec3 domain_upper, double largest_step) {
+                             Vec3 domain_lower, Vec3 domain_upper, double largest_step,
+                             int passage_steps) {
   SolverSettings s;
   s.grid_spacing = grid_spacing;
   s.courant_number = courant_number;
   s.largest_step = largest_step;
+  s.passage_steps = passage_steps;
   for (int a = 0; a < 3; ++a) {
     s.gravity[a] = gravity[a];
     s.domain_lower[a] = domain_lower[a];
@@ -217,13 +219,15 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(
           "__init__",
           [](S* self, Array2<double> materials, double grid_spacing, double courant_number,
-             Vec3 gravity, Vec3 domain_lower, Vec3 domain_upper, double largest_step) {
-            new (self) S(materials, make_settings(grid_spacing, courant_number, gravity,
-                                                  domain_lower, domain_upper, largest_step));
+             Vec3 gravity, Vec3 domain_lower, Vec3 domain_upper, double largest_step,
+             int passage_steps) {
+            new (self)
+                S(materials, make_settings(grid_spacing, courant_number, gravity, domain_lower,
+                                           domain_upper, largest_step, passage_steps));
           },
           nb::kw_only(), nb::arg("materials"), nb::arg("grid_spacing"), nb::arg("courant_number"),
           nb::arg("gravity"), nb::arg("domain_lower"), nb::arg("domain_upper"),
-          nb::arg("largest_step"))
+          nb::arg("largest_step"), nb::arg("passage_steps"))
       .def(
           "add_body",
           [](S& s, const BodyShape& shape, const RigidBody& body, Array1<double> state) {

@@ -125,7 +125,7 @@ void BlockGrid<T>::link_neighbours() {
 }
 
 template <class T>
-void BlockGrid<T>::reduce(int i) {
+void BlockGrid<T>::reduce(int i, bool add) {
   Row<T> keep_lower{}, keep_upper{};  // which lanes the tiles below and above in z fill
   for (int lane = 0; lane < 16; ++lane) (lane < 12 ? keep_lower : keep_upper)[lane] = T(1);
   const T* around[27];
@@ -135,7 +135,9 @@ void BlockGrid<T>::reduce(int i) {
     for (int y = 0; y < kBlockEdge; ++y) {
       const AxisShare xs[2] = {{0, x + 1}, other_share(x)};
       const AxisShare ys[2] = {{0, y + 1}, other_share(y)};
+      T* row = out + (x * kBlockEdge + y) * 16;
       Row<T> sum{};
+      if (add) sum = load_lanes<Row<T>>(row);
       for (int a = 0; a < 4; ++a) {
         const AxisShare sx = xs[a >> 1], sy = ys[a & 1];
         const int column = (sx.neighbour + 1) * 9 + (sy.neighbour + 1) * 3 + 1;
@@ -148,7 +150,7 @@ void BlockGrid<T>::reduce(int i) {
           for (int c = 0; c < kComponents; ++c)
             sum[12 + c] += tile_row(t, sx.tile_index, sy.tile_index)[c];
       }
-      store_lanes(out + (x * kBlockEdge + y) * 16, sum);
+      store_lanes(row, sum);
     }
 }
 

@@ -44,8 +44,8 @@ class BlockGrid {
   T* nodes(int i) { return node_.data() + std::size_t(i) * kBlockValues; }
   const T* nodes(int i) const { return node_.data() + std::size_t(i) * kBlockValues; }
 
-  // Sums what the tiles hold for block i into its nodes.
-  void reduce(int i);
+  // Sums what the tiles hold for block i into its nodes, or adds it to what they hold.
+  void reduce(int i, bool add);
   // Copies the nodes around occupied block i into a tile.
   void load_tile(int i, T* tile) const;
 

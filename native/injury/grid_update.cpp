@@ -29,7 +29,7 @@ double MpmSolver<T>::update_grid(double dt) {
   for (RigidBody& body : bodies_) body.begin_step(time_, dt, settings_.gravity);
   near_body_.assign(grid_.active(), 0);
   find_mirrors();
-  if (!mirrors_.empty()) sum_tiles();
+  if (!mirrors_.empty()) sum_all_tiles();
   double largest = 0;
 #pragma omp parallel for schedule(dynamic, 8) reduction(max : largest)
   for (int i = 0; i < grid_.active(); ++i) {
@@ -48,18 +48,29 @@ double MpmSolver<T>::update_grid(double dt) {
   return std::sqrt(largest);
 }
 
-// Mirrors need the sums of all blocks before any momentum becomes velocity.
+// What the tiles hold, on top of the momentum that nodes keep.
 template <class T>
-void MpmSolver<T>::sum_tiles() {
+void MpmSolver<T>::sum_tiles(int i) {
+  T* node = grid_.nodes(i);
+  if (nodes_keep_)
+    for (int n = 0; n < kBlockNodes; ++n)
+      for (int a = 1; a < kComponents; ++a) node[n * kComponents + a] *= node[n * kComponents];
+  grid_.reduce(i, nodes_keep_);
+}
+
+// Mirrors need the sums of all blocks before any momentum becomes velocity. Nodes behind one keep
+// no mass and so no momentum.
+template <class T>
+void MpmSolver<T>::sum_all_tiles() {
 #pragma omp parallel for schedule(dynamic, 8)
-  for (int i = 0; i < grid_.active(); ++i) grid_.reduce(i);
+  for (int i = 0; i < grid_.active(); ++i) sum_tiles(i);
   fold_mirrors();
 }
 
 // Momentum to velocity, and gravity (equation 1).
 template <class T>
 void MpmSolver<T>::load_velocity(int i, double dt) {
-  if (mirrors_.empty()) grid_.reduce(i);
+  if (mirrors_.empty()) sum_tiles(i);
   T* node = grid_.nodes(i);
   const T kick[3] = {T(dt * settings_.gravity[0]), T(dt * settings_.gravity[1]),
                      T(dt * settings_.gravity[2])};
@@ -192,8 +203,10 @@ void MpmSolver<T>::collide(RigidBody& body) {
 // The class is instantiated where its constructor is; what is defined here needs it here.
 template double MpmSolver<float>::update_grid(double);
 template double MpmSolver<double>::update_grid(double);
-template void MpmSolver<float>::sum_tiles();
-template void MpmSolver<double>::sum_tiles();
+template void MpmSolver<float>::sum_tiles(int);
+template void MpmSolver<double>::sum_tiles(int);
+template void MpmSolver<float>::sum_all_tiles();
+template void MpmSolver<double>::sum_all_tiles();
 template void MpmSolver<float>::load_velocity(int, double);
 template void MpmSolver<double>::load_velocity(int, double);
 template double MpmSolver<float>::finish_block(int, double);

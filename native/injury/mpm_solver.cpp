@@ -8,8 +8,12 @@ namespace vulnus::injury {
 
 namespace {
 
-constexpr int kStepsPerEpoch = 64;    // at most; bounds the work lost with a checkpoint
-constexpr double kDriftLimit = 0.95;  // of a cell; the tile's halo is one cell
+constexpr int kStepsPerEpoch = 64;   // at most; bounds the work lost with a checkpoint
+constexpr double kDriftLimit = 0.8;  // of a cell; the tile's halo is one cell, and particles go
+                                     // ahead by half of the next
+// Cells between two passages of momentum. Chosen: from 0.25 on the drag of a sphere of 5 cells in a
+// liquid is within 10 % of what it becomes; a particle's weights are true to the same part.
+constexpr double kPassageDrift = 0.25;
 
 }  // namespace
 
@@ -84,8 +88,25 @@ void MpmSolver<T>::begin_epoch(double stop_time) {
   particles_.sort(T(1 / settings_.grid_spacing), grid_);
   step_ = clipped_step(std::max(largest_particle_speed(), largest_body_speed()), stop_time);
   drift_ = 0;
-  particle_pass<false, true>(0, step_);
+  begin_passage(largest_particle_speed(), stop_time);
+  particle_pass<false, true>({0, step_, ahead_});
   grid_ready_ = true;
+}
+
+// The particles go ahead to where they will be in the middle of the steps that the nodes will keep
+// their momentum for, so that weights and places are right to the second order in time. Particles
+// move along the velocity that they carry, so that no angular momentum is lost.
+template <class T>
+void MpmSolver<T>::begin_passage(double speed, double stop_time) {
+  const double cells = kPassageDrift * settings_.grid_spacing;
+  const double left_in_epoch = kStepsPerEpoch - static_cast<double>(steps_ % kStepsPerEpoch);
+  double steps = std::min<double>(left_in_epoch, settings_.passage_steps);
+  if (steps * speed * step_ > cells) steps = std::max(1.0, std::floor(cells / (speed * step_)));
+  ahead_ = 0.5 * (std::min(steps * step_, stop_time - time_) - step_);
+  since_passage_ = 0;
+  kept_steps_ = 0;
+  passage_drift_ = 0;
+  nodes_keep_ = false;
 }
 
 template <class T>
@@ -109,12 +130,20 @@ int MpmSolver<T>::advance(int max_steps, double stop_time) {
     const double next = clipped_step(fastest, stop_time);
     const bool epoch_ends = time_ >= stop_time || in_epoch == 0 ||
                             drift_ + 2 * fastest * next > kDriftLimit * settings_.grid_spacing;
+    step_ = next;
+    since_passage_ += dt;
+    passage_drift_ += fastest * dt;
+    nodes_keep_ = !epoch_ends && ++kept_steps_ < settings_.passage_steps &&
+                  passage_drift_ + fastest * next <= kPassageDrift * settings_.grid_spacing;
     if (epoch_ends) {
-      particle_pass<true, false>(dt, 0);
+      particle_pass<true, false>({dt, 0, since_passage_ - ahead_});
       grid_ready_ = false;
+    } else if (nodes_keep_) {
+      particle_pass<true, true>({dt, next, 0});
     } else {
-      particle_pass<true, true>(dt, next);
-      step_ = next;
+      const double late = since_passage_ - ahead_;
+      begin_passage(fastest, stop_time);
+      particle_pass<true, true>({dt, next, late + ahead_});
     }
   }
   return done;
@@ -128,14 +157,14 @@ std::size_t MpmSolver<T>::memory_bytes() const {
 template <class T>
 void MpmSolver<T>::scatter_only(double dt) {
   particles_.sort(T(1 / settings_.grid_spacing), grid_);
-  particle_pass<false, true>(0, dt);
-  for (int i = 0; i < grid_.active(); ++i) grid_.reduce(i);
+  particle_pass<false, true>({0, dt, 0});
+  for (int i = 0; i < grid_.active(); ++i) grid_.reduce(i, false);
 }
 
 template <class T>
 void MpmSolver<T>::gather_only(double dt) {
   update_grid(dt);
-  particle_pass<true, false>(dt, 0);
+  particle_pass<true, false>({dt, 0, dt});
 }
 
 template class MpmSolver<float>;

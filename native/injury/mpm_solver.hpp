@@ -5,6 +5,12 @@
 // drifted by a cell, each step is one fused pass over the particles: gather from the old nodes,
 // update strain and stress, scatter to the tiles for the next step. At the end of an epoch
 // (`synchronized()`) the particles hold the whole state, and only there may it be saved.
+//
+// Momentum passes from the nodes to the particles and back only when tissue or bodies may have
+// moved by a part of a cell. In between, the nodes keep their velocity, the particles their place
+// in the grid, and a step adds only the impulses of the stress. Each passage smooths the velocity
+// over some cells; done at every step, in time with the sound, it is a viscosity that doubles the
+// drag of a slow projectile. `passage_steps` = 1 asks for that: it damps what only the grid knows.
 #pragma once
 
 #include <cstdint>
@@ -28,6 +34,7 @@ struct SolverSettings {
   double domain_lower[3] = {0, 0, 0};  // local frame
   double domain_upper[3] = {0, 0, 0};
   double largest_step = 1e30;
+  int passage_steps = 1;  // between two passages of momentum, at most
 };
 
 // A massless point that moves with the grid's velocity: a station of an artery's centre-line.
@@ -41,6 +48,13 @@ struct Totals {
   double momentum[3];
   double angular_momentum[3];  // about the local origin, with APIC's affine part
   double kinetic_energy;
+};
+
+// The times of a pass over the particles.
+struct PassTimes {
+  double step;       // that ends: strains
+  double next_step;  // that begins: impulses of the stress
+  double travel;     // for which the particles move
 };
 
 template <class T>
@@ -83,12 +97,14 @@ class MpmSolver {
 
  private:
   void begin_epoch(double stop_time);
+  void begin_passage(double speed, double stop_time);
   double stable_step(double speed) const;
   double clipped_step(double speed, double stop_time) const;
   double largest_particle_speed() const;
   double largest_body_speed() const;
   double update_grid(double dt);
-  void sum_tiles();
+  void sum_tiles(int i);
+  void sum_all_tiles();
   void find_mirrors();
   void fold_mirrors();
   void reflect_mirrors();
@@ -107,7 +123,7 @@ class MpmSolver {
   void move_bodies(double dt);
   void move_tracers(double dt);
   template <bool Gather, bool Scatter>
-  void particle_pass(double dt, double next_dt);
+  void particle_pass(PassTimes times);
 
   SolverSettings settings_;
   MaterialTable<T> materials_;
@@ -125,10 +141,15 @@ class MpmSolver {
   int faulty_body_ = -1;
   double time_ = 0;
   double step_ = 0;
-  double drift_ = 0;  // how far a particle may have moved since the sort [m]
+  double drift_ = 0;          // how far a particle may have moved since the sort [m]
+  double passage_drift_ = 0;  // how far anything may have since momentum last passed [m]
+  double since_passage_ = 0;  // [s]
+  int kept_steps_ = 0;        // since then
+  double ahead_ = 0;          // of the particles, at the last passage [s]
   double sound_speed_ = 0;
   std::int64_t steps_ = 0;
   bool grid_ready_ = false;
+  bool nodes_keep_ = false;  // nodes hold velocities, tiles impulses
 };
 
 extern template class MpmSolver<float>;

@@ -111,8 +111,10 @@ VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockInde
     place(b.x, block, n, stencil);
     trouble = trouble_of_step(b, stencil, stress.kirchhoff, determinant_of_step(increment), n);
   } else {
-    place(b.x, block, n, stencil);
     b.load_motion();
+    b.move(n.travel);
+    b.store_point();
+    place(b.x, block, n, stencil);
     stress.kirchhoff = resting_kirchhoff(b.material, b.point);
     const auto& v = b.motion.v;
     trouble.stress = stress.kirchhoff.xx + stress.kirchhoff.yy + stress.kirchhoff.zz;
@@ -152,10 +154,16 @@ typename LaneTraits<T>::Real step_block(ParticleSet<T>& set, const MaterialTable
 
 template <class T>
 template <bool Gather, bool Scatter>
-void MpmSolver<T>::particle_pass(double dt, double next_dt) {
+void MpmSolver<T>::particle_pass(PassTimes times) {
   using Real = typename LaneTraits<T>::Real;
-  PassNumbers<T> n{
-      T(1 / settings_.grid_spacing), T(settings_.grid_spacing), T(dt), T(next_dt), {}, {}};
+  PassNumbers<T> n{T(1 / settings_.grid_spacing),
+                   T(settings_.grid_spacing),
+                   T(times.step),
+                   T(times.travel),
+                   T(times.next_step),
+                   {},
+                   {},
+                   nodes_keep_};
   for (int a = 0; a < 3; ++a) {
     n.lower[a] = T(settings_.domain_lower[a]);
     n.upper[a] = T(settings_.domain_upper[a]);
@@ -227,12 +235,12 @@ Totals MpmSolver<T>::grid_totals() const {
   return sum;
 }
 
-template void MpmSolver<float>::particle_pass<false, true>(double, double);
-template void MpmSolver<float>::particle_pass<true, false>(double, double);
-template void MpmSolver<float>::particle_pass<true, true>(double, double);
-template void MpmSolver<double>::particle_pass<false, true>(double, double);
-template void MpmSolver<double>::particle_pass<true, false>(double, double);
-template void MpmSolver<double>::particle_pass<true, true>(double, double);
+template void MpmSolver<float>::particle_pass<false, true>(PassTimes);
+template void MpmSolver<float>::particle_pass<true, false>(PassTimes);
+template void MpmSolver<float>::particle_pass<true, true>(PassTimes);
+template void MpmSolver<double>::particle_pass<false, true>(PassTimes);
+template void MpmSolver<double>::particle_pass<true, false>(PassTimes);
+template void MpmSolver<double>::particle_pass<true, true>(PassTimes);
 template Totals MpmSolver<float>::particle_totals() const;
 template Totals MpmSolver<double>::particle_totals() const;
 template Totals MpmSolver<float>::grid_totals() const;

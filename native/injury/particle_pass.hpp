@@ -15,9 +15,11 @@ template <class T>
 struct PassNumbers {
   T cells_per_metre;
   T grid_spacing;
-  T dt;       // of the step that ends: moves and strains
+  T dt;       // of the step that ends: strains
+  T travel;   // time for which the particles move
   T next_dt;  // of the step that begins: the impulse of the stress
   T lower[3], upper[3];
+  bool nodes_keep;  // their momentum in the step that begins: particles stay in their places
 };
 
 // Velocity and its gradient.
@@ -122,6 +124,9 @@ struct Bundle {
     for (int a = 0; a < 3; ++a) store(kVelocity + a, motion.v[a]);
     for (int a = 0; a < 9; ++a) store(kGradient + a, motion.c.m[a / 3][a % 3]);
   }
+  VULNUS_HD void move(T time) {
+    for (int a = 0; a < 3; ++a) x[a] += time * motion.v[a];
+  }
   VULNUS_HD void store_point() {
     for (int a = 0; a < 3; ++a) store(kPosition + a, x[a]);
     store_tensor(kStrain, point.strain);
@@ -202,13 +207,14 @@ VULNUS_HD Matrix3<typename LaneTraits<T>::Real> increment_of_step(
 template <class T>
 VULNUS_HD StressUpdate<typename LaneTraits<T>::Real> deform(
     Bundle<T>& b, const Matrix3<typename LaneTraits<T>::Real>& increment, const PassNumbers<T>& n) {
-  for (int i = 0; i < 3; ++i) b.x[i] += n.dt * b.motion.v[i];
+  b.move(n.travel);
   b.point.strain = advance_strain(b.point.strain, increment);
   b.point.network = advance_strain(b.point.network, increment);
   return update_stress(b.material, equivalent_strain_rate(b.motion.c), b.point);
 }
 
-// (mv)_i = sum w (m v + A (x_i - x_p)) with A = m C - dt (4/dx^2) V0 tau (PHYSICS 1.4).
+// (mv)_i = sum w (m v + A (x_i - x_p)) with A = m C - dt (4/dx^2) V0 tau (PHYSICS 1.4); without m
+// where the nodes keep their momentum.
 template <class T>
 VULNUS_HD void scatter_momentum(const Bundle<T>& b, T* tile, const Stencil<T>& s,
                                 const Symmetric3<typename LaneTraits<T>::Real>& kirchhoff,
@@ -220,11 +226,12 @@ VULNUS_HD void scatter_momentum(const Bundle<T>& b, T* tile, const Stencil<T>& s
   const auto& t = kirchhoff;
   const Real tau[3][3] = {{t.xx, t.xy, t.zx}, {t.xy, t.yy, t.yz}, {t.zx, t.yz, t.zz}};
   Real value[16] = {};
-  value[0] = mass;
+  if (!n.nodes_keep) value[0] = mass;
   for (int i = 0; i < 3; ++i) {
-    value[1 + i] = mass * b.motion.v[i];
+    if (!n.nodes_keep) value[1 + i] = mass * b.motion.v[i];
     for (int j = 0; j < 3; ++j) {
-      const Real affine = inertia * b.motion.c.m[i][j] + impulse * tau[i][j];
+      Real affine = impulse * tau[i][j];
+      if (!n.nodes_keep) affine += inertia * b.motion.c.m[i][j];
       value[5 + 4 * j + i] = affine;
       value[1 + i] -= affine * s.fraction[j];
     }

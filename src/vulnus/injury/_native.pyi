@@ -42,6 +42,7 @@ class Solver32:
         domain_lower: Vector3,
         domain_upper: Vector3,
         largest_step: float,
+        passage_steps: int,
     ) -> None: ...
     def add_body(self, shape: BodyShape, body: RigidBody, state: FloatArray) -> None: ...
     def add_boundary(
