@@ -25,6 +25,7 @@ FIGURE_2_LIGHT: dict[Tissue, tuple[float, float, float]] = {
 _BALL_RADIUS = 0.62  # spacings; chosen: neighbours just touch, no light falls through whole tissue
 _DARK = 0.45  # chosen: how much darker a ball of destroyed tissue is
 _PLACE_WIDTH = 2.0  # spacings; chosen: no place of whole tissue is without a point
+_OPAQUE_COUNT = 8  # points; chosen: two layers of whole tissue in one place
 _KEPT_DEPTH = 12.0  # spacings behind the foremost ball; chosen: closes the gaps of a torn wall
 
 
@@ -61,7 +62,7 @@ def ball_colours(tissue: LabelArray, damage: Float32Array) -> Float32Array:
 def seen_from(points: TissuePoints, camera: Camera) -> BoolArray:
     """Which points (n,) a camera may see.
 
-    Points well behind the foremost one of their place in the picture are left out, which spares
+    Points well behind the foremost ones of their place in the picture are left out, which spares
     the ray tracer millions of triangles.
     """
     if points.position.shape[0] == 0:
@@ -73,16 +74,31 @@ def seen_from(points: TissuePoints, camera: Camera) -> BoolArray:
     cell = _PLACE_WIDTH * points.spacing * focal / distance
     pixels = camera.project(points.position[before])
     column, row = (_places(pixels[:, axis], cell) for axis in range(2))
-    foremost = np.full((row.max(initial=0) + 1, column.max(initial=0) + 1), -np.inf)
-    np.maximum.at(foremost, (row, column), depth[before])
+    opaque = _opaque_depth(row, column, depth[before])
     # What a place hides is bounded by the least deep of its neighbours: light comes in aslant.
-    padded = np.pad(foremost, 1, constant_values=-np.inf)
-    shape = foremost.shape
+    padded = np.pad(opaque, 1, constant_values=-np.inf)
+    shape = opaque.shape
     shifted = [padded[i : i + shape[0], j : j + shape[1]] for i in range(3) for j in range(3)]
     least = np.min(shifted, axis=0)
     seen = np.zeros(len(before), np.bool_)
     seen[before] = depth[before] > least[row, column] - _KEPT_DEPTH * points.spacing
     return seen
+
+
+def _opaque_depth(row: IntArray, column: IntArray, depth: FloatArray) -> FloatArray:
+    """How near (rows, columns) the eighth foremost point of each place is; -inf without points.
+
+    Fewer points before whole tissue are debris, through which it is seen.
+    """
+    shape = (row.max(initial=0) + 1, column.max(initial=0) + 1)
+    place = row.astype(np.int64) * shape[1] + column
+    order = np.lexsort((-depth, place))
+    first = np.flatnonzero(np.diff(place[order], prepend=-1))
+    count = np.diff(first, append=len(order))
+    chosen = order[first + np.minimum(count, _OPAQUE_COUNT) - 1]
+    opaque = np.full(shape, -np.inf)
+    opaque.flat[place[chosen]] = depth[chosen]
+    return opaque
 
 
 def _places(coordinate: FloatArray, cell: float) -> IntArray:

@@ -72,6 +72,17 @@ def test_the_foremost_points_are_kept_and_those_far_behind_them_left_out() -> No
     assert len(seen_from(points_of(np.zeros((0, 3))), camera)) == 0
 
 
+def test_debris_does_not_hide_the_tissue_behind_it() -> None:
+    flat = 1e-3 * np.stack(np.meshgrid(*[np.arange(40)] * 2, indexing="ij"), -1).reshape(-1, 2)
+    wall = np.column_stack([flat, np.zeros(len(flat))])
+    debris = np.column_stack([flat, np.full(len(flat), 0.03)])
+    both = points_of(np.concatenate([wall, debris]))
+    camera = frame_points(
+        both.position, toward_camera=(0.0, 0.0, 1.0), up=(0.0, 1.0, 0.0), width=300, height=300
+    )
+    assert np.all(seen_from(both, camera))
+
+
 def test_the_wall_of_a_wide_tract_is_kept_where_perspective_shows_it() -> None:
     cells = 1e-3 * np.stack(np.meshgrid(*[np.arange(40)] * 3, indexing="ij"), -1).reshape(-1, 3)
     beside = np.linalg.norm(cells[:, :2] - 0.0195, axis=1)
