@@ -22,7 +22,7 @@ GOLDEN = {
     "bleeding.in_limb_ml": (6.53, 0.05),
     "bleeding.mean_flow_first_beat_ml_per_min": (405.0, 0.02),
     "bleeding.beat_period_s": (0.82876, 1e-4),
-    "wound.exit_area_mm2": (2900.0, 0.35),
+    "wound.exit_area_mm2": (1014.0, 0.35),
     "wound.particles": (29533, 0.02),
 }
 
