@@ -108,7 +108,7 @@ def test_the_vessel_in_the_path_is_cut_where_the_line_crosses_it(central_shot):
 
 
 def test_a_vessel_off_the_path_is_not_cut():
-    """The line passes 13 mm beside the artery, about three radii of the ball on this coarse grid."""
+    """The line passes 13 mm beside the artery, about three radii of the ball on a coarse grid."""
     wound = shot_at(0.013)
     assert wound.injuries == ()
     assert wound.severed_segment is None
