@@ -44,9 +44,9 @@ FAULTS = {
 ADVICE = "Try a smaller courant_number (0.3) or a finer grid_spacing."
 PARTICLES_AT_ONCE = 1 << 18  # chosen: 12 MB of copies instead of those of all particles
 PASSAGE_STEPS = 8
-"""Steps for which the nodes keep their momentum where rigid bodies move, as long as nothing moves
+"""Steps for which the nodes keep their momentum where rigid bodies move, until something has moved
 by a quarter of a cell. Chosen: from 4 on the drag of a sphere at 180 m/s no longer depends on the
-bulk modulus. Without bodies momentum passes at every step, which calms the noise of slow loading."""
+bulk modulus. Without bodies momentum passes at every step: that calms the noise of slow loading."""
 WALL_TIME_OF_A_CALL = 0.15  # [s]: Ctrl-C is answered between native calls
 
 
