@@ -290,7 +290,7 @@ void bind_bodies(nb::module_& m) {
   nb::class_<RigidBody>(m, "RigidBody")
       .def_static("make", &make_body, nb::kw_only(), nb::arg("motion"), nb::arg("mass"),
                   nb::arg("inertia"), nb::arg("inverse_inertia"), nb::arg("friction"),
-                  nb::arg("margin"), nb::arg("cutting"), nb::arg("path"));
+                  nb::arg("margin"), nb::arg("cutting"), nb::arg("rail"), nb::arg("path"));
 }
 
 constexpr std::size_t kPointValues = 15;  // of a material point, as `return_map` takes them

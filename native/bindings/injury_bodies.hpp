@@ -53,7 +53,7 @@ inline void copy_matrix(RowsOfDouble in, double (&out)[3][3]) {
 // What a body is apart from its shape and its state.
 inline RigidBody make_body(int motion, double mass, RowsOfDouble inertia,
                            RowsOfDouble inverse_inertia, double friction, double margin,
-                           bool cutting, RowsOfDouble path) {
+                           bool cutting, Vec3 rail, RowsOfDouble path) {
   RigidBody body;
   body.motion = static_cast<BodyMotion>(motion);
   body.mass = mass;
@@ -62,6 +62,8 @@ inline RigidBody make_body(int motion, double mass, RowsOfDouble inertia,
   body.friction = friction;
   body.margin = margin;
   body.cutting = cutting;
+  for (int a = 0; a < 3; ++a) body.on_rail = body.on_rail || rail[a] != 0;
+  if (body.on_rail) std::copy(rail.begin(), rail.end(), body.rail);
   if (path.shape(1) != 4) throw std::invalid_argument("a path has rows of time and place");
   for (std::size_t k = 0; k < path.shape(0); ++k) {
     body.path_time.push_back(path(k, 0));

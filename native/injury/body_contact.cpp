@@ -99,6 +99,20 @@ Twist twist_of(const RigidBody& body) {
   return twist;
 }
 
+namespace {
+
+// Newton's step of a body that moves only along its rail, in place of that of a free one.
+void solve_on_rail(const RigidBody& body, const Matrix6& hessian, Vector6& step) {
+  double force = 0, mass = 0;
+  for (int a = 0; a < 3; ++a) {
+    force += body.rail[a] * step[a];
+    for (int b = 0; b < 3; ++b) mass += body.rail[a] * hessian[a][b] * body.rail[b];
+  }
+  for (int a = 0; a < 6; ++a) step[a] = a < 3 ? body.rail[a] * force / mass : 0;
+}
+
+}  // namespace
+
 Twist solve_contact(const RigidBody& body, const std::vector<ContactNode>& contacts) {
   const Twist start = twist_of(body);
   if (body.motion != BodyMotion::kDynamic || contacts.empty()) return start;
@@ -113,7 +127,10 @@ Twist solve_contact(const RigidBody& body, const std::vector<ContactNode>& conta
       for (int b = 0; b < 6; ++b) force[a] -= inertia[a][b] * (twist.value[b] - start.value[b]);
     for (const ContactNode& c : contacts)
       add_contact(c, twist, body.shape.expansion_speed, body.friction, force, hessian);
-    solve6(hessian, force);
+    if (body.on_rail)
+      solve_on_rail(body, hessian, force);
+    else
+      solve6(hessian, force);
     double change = 0, speed = 0;
     for (int a = 0; a < 6; ++a) {
       const double lever = a < 3 ? 1 : body.shape.inner_radius;

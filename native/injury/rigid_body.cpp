@@ -88,7 +88,7 @@ void RigidBody::world_inertia(double (&out)[3][3]) const {
 
 void RigidBody::begin_step(double time, double dt, const double (&gravity)[3]) {
   if (motion == BodyMotion::kDynamic)
-    for (int a = 0; a < 3; ++a) state_.velocity[a] += dt * gravity[a];
+    for (int a = 0; a < 3; ++a) state_.velocity[a] += on_rail ? 0 : dt * gravity[a];
   if (motion != BodyMotion::kGuided) return;
   double from[3], to[3];
   path_at(time, from);
@@ -101,9 +101,11 @@ void RigidBody::begin_step(double time, double dt, const double (&gravity)[3]) {
 void RigidBody::receive(const ContactSum& contact) {
   BodyState before = state_;
   if (motion == BodyMotion::kDynamic) {
+    double along = 0;  // the rail bears the rest
+    for (int a = 0; a < 3; ++a) along += rail[a] * contact.impulse[a];
     for (int a = 0; a < 3; ++a) {
-      state_.velocity[a] += contact.impulse[a] / mass;
-      state_.angular_momentum[a] += contact.angular_impulse[a];
+      state_.velocity[a] += (on_rail ? along * rail[a] : contact.impulse[a]) / mass;
+      if (!on_rail) state_.angular_momentum[a] += contact.angular_impulse[a];
     }
     update_angular_velocity();
   }

@@ -41,6 +41,8 @@ class RigidBody {
   double friction = 0;
   double margin = 0;  // nodes touch where the signed distance is below this [m]
   bool cutting = false;
+  bool on_rail = false;           // dynamic, but only along `rail` and without turning
+  double rail[3] = {1, 0, 0};     // unit
   std::vector<double> path_time;  // guided bodies
   std::vector<double> path_position;
 

@@ -247,3 +247,21 @@ def test_particle_arrays_that_differ_in_length_are_refused():
     solver = block(bodies=[])
     with pytest.raises(ScenarioError, match="lengths"):
         solver.set_particles(np.zeros((3, 3)), volume=np.ones(2), material=np.zeros(3, np.uint8))
+
+
+def test_a_body_on_a_rail_keeps_to_it_and_closes_the_balance_along_it():
+    """Beside the middle of the block the tissue pushes aside and turns; the rail bears that."""
+    slid = ball(
+        centre=(-0.027, 0.004, 0.0), velocity=(100.0, 0.0, 0.0), rail=(2.0, 0.0, 0.0),
+        angular_velocity=(0.0, 0.0, 0.0),
+    )  # fmt: skip
+    solver = block(bodies=[slid])
+    start = 0.5 * slid.mass * 100.0**2
+    solver.advance(until=2e-4)
+    (state,) = solver.bodies
+    assert np.all(state.position[1:] == (0.004, 0.0))
+    assert np.all(state.velocity[1:] == 0.0)
+    assert np.all(state.angular_velocity == 0.0)
+    assert np.linalg.norm(state.impulse[1:]) > 1e-3 * abs(state.impulse[0])
+    assert slid.mass * (state.velocity[0] - 100.0) == pytest.approx(state.impulse[0], rel=1e-10)
+    assert start - 0.5 * slid.mass * state.velocity[0] ** 2 == pytest.approx(state.work, rel=1e-9)

@@ -28,6 +28,7 @@ class RigidBody:
         friction: float,
         margin: float,
         cutting: bool,
+        rail: Vector3,
         path: FloatArray,
     ) -> RigidBody: ...
 
