@@ -33,6 +33,7 @@ from .material_model import (
     neo_hookean,
     von_mises,
 )
+from .material_point import MaterialPointHistory, material_point, tensile_test
 from .materials import MATERIALS, material
 from .mesh_shape import MeshShape
 from .parameters import AimParameters, InjuryParameters, ProjectileParameters
@@ -71,6 +72,7 @@ __all__ = [
     "InjuryParameters",
     "Intersection",
     "Material",
+    "MaterialPointHistory",
     "MeshShape",
     "MpmSolver",
     "Ogive",
@@ -98,10 +100,12 @@ __all__ = [
     "elastic",
     "liquid",
     "material",
+    "material_point",
     "neo_hookean",
     "projectile",
     "projectile_surfaces",
     "rotation_about",
     "shoot",
+    "tensile_test",
     "von_mises",
 ]
