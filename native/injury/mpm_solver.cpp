@@ -130,7 +130,7 @@ int MpmSolver<T>::advance(int max_steps, double stop_time) {
     const double next = clipped_step(fastest, stop_time);
     const bool epoch_ends = time_ >= stop_time || in_epoch == 0 ||
                             drift_ + 2 * fastest * next > kDriftLimit * settings_.grid_spacing;
-    step_ = next;
+    if (!epoch_ends) step_ = next;
     since_passage_ += dt;
     passage_drift_ += fastest * dt;
     nodes_keep_ = !epoch_ends && ++kept_steps_ < settings_.passage_steps &&

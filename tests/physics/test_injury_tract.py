@@ -108,8 +108,11 @@ def test_the_vessel_in_the_path_is_cut_where_the_line_crosses_it(central_shot):
 
 
 def test_a_vessel_off_the_path_is_not_cut():
-    """The line passes 13 mm beside the artery, about three radii of the ball on a coarse grid."""
-    wound = shot_at(0.013)
+    """The line passes 17 mm beside the artery, some four radii of the ball.
+
+    The temporary cavity, 11 mm wide by then, pushes it aside by 3 mm; at 13 mm it tears it a little.
+    """
+    wound = shot_at(0.017)
     assert wound.injuries == ()
     assert wound.severed_segment is None
     assert np.max(wound.arteries[0].damage) < 0.9
