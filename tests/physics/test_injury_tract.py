@@ -110,7 +110,7 @@ def test_the_vessel_in_the_path_is_cut_where_the_line_crosses_it(central_shot):
 def test_a_vessel_off_the_path_is_not_cut():
     """The line passes 17 mm beside the artery, some four radii of the ball.
 
-    The temporary cavity, 11 mm wide by then, pushes it aside by 3 mm; at 13 mm it tears it a little.
+    The temporary cavity, 11 mm wide by then, pushes it aside by 3 mm; at 13 mm it would tear it.
     """
     wound = shot_at(0.017)
     assert wound.injuries == ()
