@@ -121,7 +121,8 @@ int MpmSolver<T>::advance(int max_steps, double stop_time) {
     move_bodies(step_);
     move_tracers(step_);
     const double dt = step_;
-    time_ = stop_time - time_ <= dt ? stop_time : time_ + dt;
+    // A step that was not cut for this stop (it was begun before another one) goes past it.
+    time_ = std::abs(stop_time - time_ - dt) <= 1e-9 * dt ? stop_time : time_ + dt;
     drift_ += speed * dt;
     ++steps_;
     ++done;

@@ -265,3 +265,12 @@ def test_a_body_on_a_rail_keeps_to_it_and_closes_the_balance_along_it():
     assert np.linalg.norm(state.impulse[1:]) > 1e-3 * abs(state.impulse[0])
     assert slid.mass * (state.velocity[0] - 100.0) == pytest.approx(state.impulse[0], rel=1e-10)
     assert start - 0.5 * slid.mass * state.velocity[0] ** 2 == pytest.approx(state.work, rel=1e-9)
+
+
+def test_the_clock_is_that_of_the_bodies_where_a_stop_comes_nearer():
+    """x = x0 + v t also where steps begun for a later stop meet an earlier one; round-off."""
+    far = ball(centre=(0.0, -0.3, 0.0), velocity=(0.0, 60.0, 0.0), motion="kinematic")
+    solver = block(bodies=[far], edge=4)
+    solver.advance(until=1e-3, max_steps=3)
+    solver.advance(until=solver.time + 0.1 * solver.step_size)
+    assert solver.bodies[0].position[1] == pytest.approx(-0.3 + 60.0 * solver.time, abs=1e-12)
