@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vulnus.core.errors import StorageError, UnstableStepError
+from vulnus.core.errors import UnstableStepError
 from vulnus.core.handoff import LabelVolume
 from vulnus.injury import (
     Ball,
@@ -176,13 +176,6 @@ def test_two_runs_are_one_run_and_a_resumed_one_too() -> None:
             assert np.array_equal(mine.position, yours.position)
 
 
-def test_a_checkpoint_of_another_experiment_is_refused() -> None:
-    kept = MemoryCheckpoint()
-    struck_block().run(until=1e-5, sample_interval=5e-6, checkpoint=kept)
-    with pytest.raises(StorageError, match="it is of another experiment"):
-        struck_block(courant_number=0.3).run(until=2e-5, checkpoint=kept)
-
-
 def test_a_run_can_be_watched_and_stopped() -> None:
     seen = []
     experiment = struck_block()
@@ -262,23 +255,3 @@ def test_what_is_saved_is_what_was_found(tmp_path) -> None:
         assert np.array_equal(fields["position"], result.final.position)
     frame = result.final.frame()
     assert frame.point_data["pressure_pa"].shape == (len(result.final),)
-
-
-def test_a_script_of_two_phases_resumes_in_the_second() -> None:
-    """The same script, killed while its waves were slowed, ends with the same bits."""
-
-    def script(checkpoint, stop_at: float = 1.0):
-        experiment = struck_block()
-        phases = {"sample_interval": 1e-4, "checkpoint": checkpoint}
-        experiment.run(until=2e-4, **phases)
-        experiment.slow_waves(20.0)
-        return experiment.run(until=6e-4, stop_when=lambda e: e.time >= stop_at, **phases)
-
-    whole = script(None)
-    kept = MemoryCheckpoint()
-    assert script(kept, stop_at=4e-4).stopped_early
-    resumed = script(kept)
-    assert resumed.time == pytest.approx(1e-4 * np.arange(7))
-    for name, values in whole.columns.items():
-        assert np.array_equal(resumed.columns[name], values, equal_nan=True), name
-    assert np.array_equal(resumed.final.stress, whole.final.stress)

@@ -12,21 +12,22 @@ import numpy as np
 from vulnus.core.arrays import FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
+LONGEST_SHOWN = 80  # characters [chosen: a line]
 ADVICE_SI = "Everything here is SI: metres, kilograms, seconds, pascals."
 
 
-def finite(name: str, value: float) -> float:
-    """`value` as a float, refused where it is not a finite number."""
+def finite(name: str, value: Any) -> float:
+    """`value` as a float, refused where it is not a finite number; texts are none."""
     try:
-        number = float(value)
-    except (TypeError, ValueError):
+        number = math.nan if isinstance(value, str | bytes | bool) else float(value)
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
-        raise ScenarioError(name, f"is {value!r}, must be a finite number", ADVICE_SI)
+        raise ScenarioError(name, f"is {shown(value)}, must be a finite number", ADVICE_SI)
     return number
 
 
-def positive(name: str, value: float) -> float:
+def positive(name: str, value: Any) -> float:
     """`value` as a float, refused where it is not above zero."""
     number = finite(name, value)
     if not number > 0.0:
@@ -34,7 +35,7 @@ def positive(name: str, value: float) -> float:
     return number
 
 
-def not_negative(name: str, value: float) -> float:
+def not_negative(name: str, value: Any) -> float:
     """`value` as a float, refused where it is below zero."""
     number = finite(name, value)
     if number < 0.0:
@@ -44,12 +45,10 @@ def not_negative(name: str, value: float) -> float:
 
 def vector(name: str, value: Any) -> Vector3:
     """`value` as three finite floats."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.full(0, np.nan)
+    array = numbers(value)
     if array.shape != (3,) or not np.isfinite(array).all():
-        raise ScenarioError(name, f"is {value!r}, must be three finite numbers", "Give (x, y, z).")
+        told = f"is {shown(value)}, must be three finite numbers"
+        raise ScenarioError(name, told, "Give (x, y, z).")
     x, y, z = array.tolist()
     return x, y, z
 
@@ -57,19 +56,17 @@ def vector(name: str, value: Any) -> Vector3:
 def unit_vector(name: str, value: Any) -> Vector3:
     """`value`, three finite numbers of any length but zero, scaled to length one."""
     array = np.asarray(vector(name, value))
-    length = float(np.linalg.norm(array))
-    if length == 0.0:
+    largest = float(np.max(np.abs(array)))
+    if largest == 0.0:
         raise ScenarioError(name, "has no direction: it is (0, 0, 0)", "Give (x, y, z).")
-    x, y, z = (array / length).tolist()
+    array = array / largest  # neither too large nor too small to be squared
+    x, y, z = (array / float(np.linalg.norm(array))).tolist()
     return x, y, z
 
 
 def points(name: str, value: Any) -> FloatArray:
     """`value` as a contiguous (n, 3) array of finite floats."""
-    try:
-        array = np.ascontiguousarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.zeros(0)
+    array = np.ascontiguousarray(numbers(value))
     if array.ndim != 2 or array.shape[1] != 3:
         raise ScenarioError(
             name, f"has the shape {array.shape}, must be (n, 3)", "Give one row a point."
@@ -85,8 +82,49 @@ def points(name: str, value: Any) -> FloatArray:
 def one_of(name: str, value: str, known: Iterable[str]) -> str:
     """`value`, refused with the nearest known names where it is not one of `known`."""
     names = list(known)
-    if value in names:
+    if isinstance(value, str) and value in names:
         return value
     near = difflib.get_close_matches(str(value), names, n=1)
     guess = f"Did you mean {near[0]!r}? " if near else ""
-    raise ScenarioError(name, f"{value!r} is not known", f"{guess}Known: {', '.join(names)}.")
+    choice = f"Known: {', '.join(names)}." if names else "There are none."
+    raise ScenarioError(name, f"{shown(value)} is not known", guess + choice)
+
+
+def numbers(value: Any) -> FloatArray:
+    """`value` as an array of floats; empty where it holds anything but numbers."""
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind in "biuf":
+            return given.astype(np.float64)
+        return np.zeros(0) if given.dtype.kind != "O" else np.asarray(given, np.float64)
+    except (TypeError, ValueError, OverflowError):
+        return np.zeros(0)
+
+
+def shown(value: Any) -> str:
+    """A value as an error shows it, cut where it is long."""
+    text = repr(value)
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}..."
+
+
+def is_a(name: str, value: object, kinds: type | tuple[type, ...], advice: str) -> None:
+    """Refuse what is not of these types."""
+    if not isinstance(value, kinds):
+        raise ScenarioError(name, f"is {shown(value)}", advice)
+
+
+def true_or_false(name: str, value: object) -> None:
+    """Refuse what is neither True nor False."""
+    is_a(name, value, (bool, np.bool_), "Give True or False.")
+
+
+def has_methods(name: str, value: object, methods: Iterable[str], what: str) -> None:
+    """Refuse what lacks one of these methods."""
+    if not all(callable(getattr(value, method, None)) for method in methods):
+        raise ScenarioError(name, f"is {shown(value)}", f"Give {what}.")
+
+
+def may_be_called(name: str, value: object) -> None:
+    """Refuse what is given and is no function."""
+    if value is not None and not callable(value):
+        raise ScenarioError(name, f"is {shown(value)}", "Give a function, or leave it out.")

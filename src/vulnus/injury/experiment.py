@@ -11,21 +11,22 @@ Everything is SI: metres, kilograms, seconds, pascals. Positions are in one worl
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 
 import numpy as np
 
-from vulnus.core.checkpoint import Checkpoint, CheckpointData
+from vulnus.core.checkpoint import Checkpoint
+from vulnus.core.errors import ScenarioError
 from vulnus.core.progress import Progress, SilentProgress
 from vulnus.core.units import MILLISECOND
 
-from . import experiment_checks as checks
-from .checked_values import one_of, positive
+from .checked_values import has_methods, may_be_called, one_of, positive
+from .experiment_fingerprint import experiment_fingerprint
 from .experiment_record import Record
 from .experiment_result import ExperimentResult, Fields, read_fields
+from .experiment_resume import RunHistory
 from .experiment_setup import ExperimentSetup
-from .experiment_start import GridSettings, StartedExperiment, start
+from .experiment_start import GridSettings, StartedExperiment, start, threads_of_environment
 from .material_model import slowed
 from .particle_reading import ParticleReading
 from .rigid_body import BodyState
@@ -47,6 +48,8 @@ class Experiment(ExperimentSetup):
 
     _started: StartedExperiment | None = None
     _record: Record | None = None
+    _history: RunHistory | None = None
+    _running = False
 
     @property
     def time(self) -> float:
@@ -95,33 +98,63 @@ class Experiment(ExperimentSetup):
         `snapshot_interval` [s], which must be samples. At each sample
         `on_sample` is called with the experiment, and `stop_when` may end the run by giving True.
         Call `run` again with a later `until` to go on. `checkpoint` keeps the state at samples,
-        when it is due; a new experiment that is set up alike and given it goes on from there.
+        when it is due; the same script, started anew, goes on from there: runs that were finished
+        then return at once what they returned, and the one that was cut off goes on.
         Raises `UnstableStepError` where a particle inverts, leaves the box or is not finite.
         """
+        for name, function in (("stop_when", stop_when), ("on_sample", on_sample)):
+            may_be_called(name, function)
+        if progress is not None:
+            has_methods("progress", progress, ("begin", "update", "end"), "a Progress")
         schedule = SampleSchedule.of(self.time, until, sample_interval, snapshot_interval)
-        set_threads(self.threads or int(os.environ.get("OMP_NUM_THREADS", "0")))
-        solver = self._start().solver
-        record = self._recorder(schedule, checkpoint)
-        bar = progress or SilentProgress()
-
-        def report() -> None:
-            bar.update(solver.time / MILLISECOND, f"{solver.steps} steps")
-
-        bar.begin("experiment", until / MILLISECOND, "ms")
-        stopped = False
+        if self._running:
+            raise ScenarioError("run", "is called from within run", "Return from it first.")
+        self._running = True
         try:
-            for time in schedule.after(solver.time):
-                solver.advance(time, on_call=report)
+            return self._run(schedule, stop_when, on_sample, progress, checkpoint)
+        finally:
+            self._running = False
+
+    def _run(
+        self,
+        schedule: SampleSchedule,
+        stop_when: Callable[[Experiment], bool] | None,
+        on_sample: Callable[[Experiment], None] | None,
+        progress: Progress | None,
+        checkpoint: Checkpoint | None,
+    ) -> ExperimentResult:
+        set_threads(self.threads or threads_of_environment())
+        solver = self._start().solver
+        record, history = self._recorder(schedule), self._run_history()
+        history.begin(solver, checkpoint)
+        replayed = history.replay(schedule, solver, record)
+        if replayed is not None:
+            return self._result(record, stopped_early=replayed.stopped)
+
+        def stops() -> bool:
+            return stop_when is not None and bool(stop_when(self))
+
+        stopped = history.resume(schedule, solver, record) and stops()
+        bar = progress or SilentProgress()
+        bar.begin("experiment", schedule.until / MILLISECOND, "ms")
+        try:
+            times = iter(()) if stopped else schedule.after(solver.time)
+            for time in times:
+                solver.advance(
+                    time,
+                    on_call=lambda: bar.update(solver.time / MILLISECOND, f"{solver.steps} steps"),
+                )
                 record.add(self._reading(), snapshot=schedule.is_snapshot(solver.time))
                 if on_sample is not None:
                     on_sample(self)
                 if checkpoint is not None and checkpoint.due():
-                    checkpoint.save(self._state(record))
-                stopped = stop_when is not None and bool(stop_when(self))
+                    checkpoint.save(history.data(solver, record))
+                stopped = stops()
                 if stopped:
                     break
         finally:
             bar.end()
+        history.finish(schedule, solver, record, stopped=stopped)
         return self._result(record, stopped_early=stopped)
 
     def slow_waves(self, sound_speed: float) -> None:
@@ -135,18 +168,20 @@ class Experiment(ExperimentSetup):
         started = self._start()
         started.solver.change_materials(slowed(started.solver.materials, sound_speed))
 
+    def _settings(self) -> GridSettings:
+        return GridSettings(
+            grid_spacing=self.grid_spacing,
+            gravity=self.gravity,
+            courant_number=self.courant_number,
+            precision=self.precision,
+            box=self._box,
+            grid_offset=self._grid_offset,
+        )
+
     def _start(self) -> StartedExperiment:
         """The started experiment; checked and made at the first call."""
         if self._started is None:
-            settings = GridSettings(
-                grid_spacing=self.grid_spacing,
-                gravity=self.gravity,
-                courant_number=self.courant_number,
-                precision=self.precision,
-                box=self._box,
-                grid_offset=self._grid_offset,
-            )
-            self._started = start(settings, self._store, self._rigid, self._boundaries)
+            self._started = start(self._settings(), self._store, self._rigid, self._boundaries)
             self._begun = True
         return self._started
 
@@ -154,33 +189,31 @@ class Experiment(ExperimentSetup):
         started = self._start()
         return ParticleReading(started.solver, started.particles, started.tissue)
 
-    def _recorder(self, schedule: SampleSchedule, checkpoint: Checkpoint | None) -> Record:
-        """The record, with its first sample or with what a checkpoint kept."""
-        if self._record is not None:
-            return self._record
-        started, reading = self._start(), self._reading()
-        sensors = {
-            name: sensor.attach(reading, self.grid_spacing)
-            for name, sensor in self._sensors.items()
-        }
-        record = Record(started, gravity=self.gravity, sensors=sensors)
-        saved = checkpoint.load() if checkpoint is not None else None
-        if saved is None:
-            record.add(reading, snapshot=schedule.samples_per_snapshot > 0)
-        else:
-            checks.same_experiment(str(saved["fingerprint"]), started.fingerprint)
-            started.solver.restore(saved)
-            record.restore(saved)
-        self._record = record
-        return record
+    def _recorder(self, schedule: SampleSchedule) -> Record:
+        """The record, with its first sample."""
+        if self._record is None:
+            started, reading = self._start(), self._reading()
+            sensors = {
+                name: sensor.attach(reading, self.grid_spacing)
+                for name, sensor in self._sensors.items()
+            }
+            self._record = Record(started, gravity=self.gravity, sensors=sensors)
+            self._record.add(reading, snapshot=schedule.samples_per_snapshot > 0)
+        return self._record
 
-    def _state(self, record: Record) -> CheckpointData:
-        started = self._start()
-        return {
-            **started.solver.state(),
-            **record.state(),
-            "fingerprint": started.fingerprint,
-        }
+    def _run_history(self) -> RunHistory:
+        """The finished runs, by which a checkpoint finds its place."""
+        if self._history is None:
+            self._history = RunHistory(
+                lambda: experiment_fingerprint(
+                    self._settings(),
+                    self._store,
+                    self._start().rigid,
+                    self._boundaries,
+                    self._sensors,
+                )
+            )
+        return self._history
 
     def _result(self, record: Record, *, stopped_early: bool) -> ExperimentResult:
         started = self._start()

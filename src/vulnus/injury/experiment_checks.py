@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vulnus.core.arrays import FloatArray, Vector3
-from vulnus.core.errors import ScenarioError, StorageError
+from vulnus.core.errors import ScenarioError
 
 from .checked_values import positive, vector
 from .solids import Solid, triple
@@ -140,13 +140,3 @@ def box_around(
     )
     half = np.maximum(high - middle, middle - low)
     return triple(middle - half), triple(middle + half)
-
-
-def same_experiment(saved: str, present: str) -> None:
-    """Refuse a checkpoint of another experiment."""
-    if saved != present:
-        raise StorageError(
-            "experiment checkpoint",
-            "it is of another experiment",
-            "Delete it, or use another file.",
-        )

@@ -45,6 +45,11 @@ class Record:
         return {name: np.array(rows) for name, rows in self._columns.items()}
 
     @property
+    def sample_count(self) -> int:
+        """How many samples there are."""
+        return len(self._columns.get("time", ()))
+
+    @property
     def snapshots(self) -> tuple[Fields, ...]:
         """All particles at the chosen instants."""
         return tuple(self._snapshots)
@@ -94,10 +99,12 @@ class Record:
             data |= {f"{SNAPSHOT}{index}/{name}": a for name, a in fields.arrays().items()}
         return data
 
-    def restore(self, data: CheckpointData) -> None:
-        """Go on with the columns and snapshots of a checkpoint."""
+    def restore(
+        self, data: CheckpointData, *, samples: int | None = None, snapshots: int | None = None
+    ) -> None:
+        """Go on with the columns and snapshots of a checkpoint, or with that many of the first."""
         self._columns = {
-            name.removeprefix(COLUMN): list(np.asarray(values, np.float64))
+            name.removeprefix(COLUMN): list(np.asarray(values, np.float64))[:samples]
             for name, values in data.items()
             if name.startswith(COLUMN)
         }
@@ -107,7 +114,8 @@ class Record:
                 _, index, key = name.split("/")
                 parts.setdefault(int(index), {})[key] = np.asarray(values)
         names = tuple(body.name for body in self._started.tissue)
-        self._snapshots = [fields_from_arrays(parts[index], names) for index in sorted(parts)]
+        chosen = sorted(parts)[:snapshots]
+        self._snapshots = [fields_from_arrays(parts[index], names) for index in chosen]
 
 
 def kinetic_energy(body: RigidBody, state: BodyState) -> float:

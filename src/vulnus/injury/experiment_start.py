@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
+import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -39,14 +39,19 @@ class GridSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StartedExperiment:
-    """The solver with all that is in it; `fingerprint` tells experiments apart."""
+    """The solver with all that is in it."""
 
     solver: MpmSolver
     particles: JoinedParticles
     tissue: tuple[TissueBody, ...]
     rigid: tuple[RigidBody, ...]
     flights: tuple[Flight, ...]
-    fingerprint: str
+
+
+def threads_of_environment() -> int:
+    """The first number in OMP_NUM_THREADS, 0 (all processors) where there is none."""
+    first = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
+    return int(first) if first.isdecimal() else 0
 
 
 def start(
@@ -79,7 +84,6 @@ def start(
         tissue=store.bodies,
         rigid=bodies,
         flights=tuple(Flight(body, particles) for body in bodies),
-        fingerprint=_fingerprint(settings, store, particles, bodies, boundaries),
     )
 
 
@@ -137,23 +141,3 @@ def _warn_of_coarse_grid(body: RigidBody, grid_spacing: float) -> None:
             f"{2.0 * body.shape.inner_radius / LEAST_PROJECTILE_CELLS:.3g} m",
             stacklevel=5,
         )
-
-
-def _fingerprint(
-    settings: GridSettings,
-    store: ParticleStore,
-    particles: JoinedParticles,
-    bodies: Sequence[RigidBody],
-    boundaries: Sequence[Boundary],
-) -> str:
-    """A text that differs between experiments that would run differently."""
-    digest = hashlib.sha256()
-    for array in (particles.position, particles.volume, particles.velocity):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    digest.update(particles.material_row.tobytes())
-    for body in bodies:
-        numbers = (body.name, body.place, body.velocity, body.turn.tolist(), body.mass)
-        more = (body.angular_velocity, body.motion, body.friction, body.shape.volume)
-        digest.update(repr((numbers, more)).encode())
-    digest.update(repr((settings, store.materials, list(boundaries))).encode())
-    return digest.hexdigest()

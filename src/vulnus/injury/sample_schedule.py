@@ -11,6 +11,8 @@ from vulnus.core.errors import ScenarioError
 from .checked_values import finite, positive
 
 DEFAULT_SAMPLES = 100
+MOST_SAMPLES = 1_000_000
+"""Samples of a run at most [chosen: a column of 8 MB, and more than any curve shows]."""
 ROUND_OFF = 1e-6  # of an interval: what counts as a whole multiple [chosen: far above round-off]
 
 
@@ -34,7 +36,8 @@ class SampleSchedule:
         snapshot_interval: float | None,
     ) -> SampleSchedule:
         """The schedule that these times [s] describe, refused where they make none."""
-        if not finite("until", until) > now:
+        until = finite("until", until)
+        if not until > now:
             raise ScenarioError(
                 "until",
                 f"is {until:g} s, must be after the present {now:g} s",
@@ -43,6 +46,13 @@ class SampleSchedule:
         interval = until / DEFAULT_SAMPLES
         if sample_interval is not None:
             interval = positive("sample_interval", sample_interval)
+        if (until - now) / interval > MOST_SAMPLES:
+            raise ScenarioError(
+                "sample_interval",
+                f"is {interval:g} s: {(until - now) / interval:.2g} samples, must be at most "
+                f"{MOST_SAMPLES}",
+                "Choose a longer one.",
+            )
         if snapshot_interval is None:
             return cls(until, interval, 0)
         ratio = positive("snapshot_interval", snapshot_interval) / interval
@@ -54,6 +64,14 @@ class SampleSchedule:
                 "Choose a sample_interval that divides it.",
             )
         return cls(until, interval, whole)
+
+    def numbers(self) -> dict[str, float]:
+        """What the schedule consists of, by the name that `Experiment.run` has for it."""
+        return {
+            "until": self.until,
+            "sample_interval": self.sample_interval,
+            "samples_per_snapshot": float(self.samples_per_snapshot),
+        }
 
     def after(self, now: float) -> Iterator[float]:
         """Times [s] of the samples after `now`, the last at `until`; none where that is over."""

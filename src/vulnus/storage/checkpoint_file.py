@@ -20,8 +20,8 @@ class FileCheckpoint:
     checkpoint is passed over.
     """
 
-    def __init__(self, path: Path, interval: float, notice: Callable[[str], None]) -> None:
-        self.path = path
+    def __init__(self, path: Path | str, interval: float, notice: Callable[[str], None]) -> None:
+        self.path = Path(path)
         self.interval = interval
         self._notice = notice
         self._started = self._saved = time.monotonic()
