@@ -139,8 +139,9 @@ class RigidBodyRecord:
     its own axes to the world's; `angular_velocity` (m, 3) [rad/s]; `impulse` (m, 3) [N s] that the
     tissue has given it; `normal_impulse` (m,) [N s], the sum of the sizes of its normal parts;
     `work` (m,) [J] that it has done on the tissue; `kinetic_energy` (m,) [J], NaN without a mass;
-    `depth` (m,) [m] of its foremost point behind the surface it was aimed at, along the direction
-    of the start: negative before contact, NaN where its line meets no tissue.
+    `depth` (m,) [m] that its foremost point has come since first contact, along the direction of
+    the start: behind the surface where that is square to the flight, negative before contact, NaN
+    where its line meets no tissue.
     """
 
     name: str

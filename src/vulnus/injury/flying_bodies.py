@@ -12,8 +12,8 @@ from vulnus.core.handoff import ShotLine
 from vulnus.core.units import MILLIMETRE
 
 from .attitude import attitude
+from .contact_way import Outline
 from .drawn_shapes import BladeShape, Cylinder, Ogive
-from .flight import Outline
 from .mesh_shape import MeshShape
 from .parameters import ProjectileParameters
 from .rigid_body import BodyPath, RigidBody

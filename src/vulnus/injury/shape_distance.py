@@ -14,16 +14,28 @@ def distance_to(shape: Shape, local: FloatArray) -> FloatArray:
 
     Trilinear between the samples; beyond them, the way to the sampled box is added.
     """
+    found, beyond = _sampled_distance(shape, local)
+    return found + beyond
+
+
+def clearance(shape: Shape, local: FloatArray) -> FloatArray:
+    """At most the distance (n,) [m] of points (n, 3) [m] from the shape, negative inside."""
+    found, beyond = _sampled_distance(shape, local)
+    nearest: FloatArray = np.where(beyond > 0.0, np.maximum(beyond, found - beyond), found)
+    return nearest
+
+
+def _sampled_distance(shape: Shape, local: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distance (n,) [m] at the nearest point of the sampled box, and that from there."""
     if isinstance(shape, Sphere):
         ball: FloatArray = np.linalg.norm(local, axis=1) - shape.radius
-        return ball
+        return ball, np.zeros(len(local))
     from scipy.ndimage import map_coordinates
 
     sampled = shape.distance
     assert sampled is not None  # every shape but the sphere is sampled
     index = (local - sampled.lower) / sampled.spacing
     inside = np.clip(index, 0.0, np.array(sampled.values.shape) - 1.0)
-    found = map_coordinates(sampled.values.astype(np.float64), inside.T, order=1)
-    beyond = sampled.spacing * np.linalg.norm(index - inside, axis=1)
-    distance: FloatArray = found + beyond
-    return distance
+    found: FloatArray = map_coordinates(sampled.values.astype(np.float64), inside.T, order=1)
+    beyond: FloatArray = sampled.spacing * np.linalg.norm(index - inside, axis=1)
+    return found, beyond

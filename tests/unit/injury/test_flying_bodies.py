@@ -10,7 +10,7 @@ from reference.mpm_limb import synthetic_limb
 
 from vulnus.core.errors import ScenarioError
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters
-from vulnus.injury.flight import Outline
+from vulnus.injury.contact_way import Outline
 from vulnus.injury.parameters import ShotParameters
 from vulnus.injury.shape_distance import distance_to
 from vulnus.injury.shot_setup import prepare_shot
