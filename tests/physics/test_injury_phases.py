@@ -12,7 +12,6 @@ import pytest
 from reference.mpm_limb import synthetic_limb
 
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters, shoot
-from vulnus.injury.passage import frame_times
 
 pytestmark = pytest.mark.physics
 
@@ -90,20 +89,7 @@ def test_the_projectiles_loss_is_what_lies_along_the_path(slowed):
 
 def test_paper_mode_has_one_state_at_one_millisecond(muscle):
     parameters = replace(SHOT, mode="paper", duration=1e-4)
-    assert replace(parameters, duration=None).end_time == 1e-3
     outcome = shoot(muscle, parameters)
     assert list(outcome.states) == ["permanent"]
     assert outcome.wound is outcome.temporary is outcome.permanent
     assert outcome.report.flight_steps == outcome.report.steps
-
-
-def test_frames_are_dense_in_the_first_phase_and_bounded_after_it():
-    times = [time for _, time in frame_times(InjuryParameters())]
-    assert len(times) == 48
-    assert times[19] == pytest.approx(1e-3)
-    assert times[-1] == 15e-3
-    assert np.diff(times) == pytest.approx([5e-5] * 19 + [5e-4] * 28)
-    paper = [time for _, time in frame_times(InjuryParameters(mode="paper"))]
-    assert np.diff(paper) == pytest.approx([5e-5] * 19)
-    short = [time for _, time in frame_times(InjuryParameters(duration=1.2e-4))]
-    assert short == pytest.approx([5e-5, 1e-4, 1.2e-4])

@@ -43,6 +43,7 @@ __all__ = [
     "LabelVolume",
     "LimbModel",
     "ParticleFrame",
+    "ProjectileHoles",
     "ProjectileReport",
     "ShotLine",
     "SkinHole",
@@ -200,13 +201,27 @@ class ShotLine:
     beside: Vector3 = (0.0, 0.0, 0.0)
 
 
+@dataclass(frozen=True, slots=True)
+class ProjectileHoles:
+    """The open holes that one projectile has made in the skin: where [m], and their areas [m²].
+
+    The exit's are None where the projectile has not come out at the far side.
+    """
+
+    entry_point: Vector3
+    entry_area: float
+    exit_point: Vector3 | None
+    exit_area: float | None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class InjuredLimb:
     """The limb at one time of the injury simulation; static while it bleeds (as in the paper).
 
     `position`, `reference_position` (n, 3) [m] deformed and original; `tissue` (n,);
     `volume` (n,) [m³], of the undeformed points; `damage` (n,) 0-1; `entry_area`, `exit_area`
-    [m²] of the open holes in the skin, `exit_area` None where the projectile stays inside;
+    [m²] of the open holes in the skin of the first projectile, `exit_area` None where it stays
+    inside; `other_holes` those of further projectiles;
     `injuries` of the arteries, worst first, empty where none is torn; `time` [s] since the
     projectile touched the skin. `surfaces` as in `LimbModel` (before
     the injury).
@@ -228,6 +243,18 @@ class InjuredLimb:
     particle_steps_per_second: float
     surfaces: Mapping[str, TriangleSurface]
     side: str
+    other_holes: tuple[ProjectileHoles, ...] = ()
+
+    @property
+    def holes(self) -> tuple[ProjectileHoles, ...]:
+        """The open holes of every projectile, the first projectile's first."""
+        first = ProjectileHoles(
+            entry_point=self.shot.entry_point,
+            entry_area=self.entry_area,
+            exit_point=None if self.exit_area is None else self.shot.exit_point,
+            exit_area=self.exit_area,
+        )
+        return (first, *self.other_holes)
 
     @property
     def severed_segment(self) -> str | None:

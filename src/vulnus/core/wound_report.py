@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from .arrays import Float32Array, FloatArray, Vector3
 
 VesselKind = Literal["intact", "lacerated", "transected"]
@@ -129,7 +131,8 @@ class ProjectileReport:
     """One projectile and its way through the limb.
 
     `position` [m], speeds [m/s] and energies [J] (None where it has no mass) at first contact and
-    at the end; `exit` is None where it stays in the limb.
+    at the end; `exit` is None where it stays in the limb or leaves as it came. `cells_across` is
+    its diameter, or a blade's width, over the grid's cells.
     """
 
     name: str
@@ -143,6 +146,7 @@ class ProjectileReport:
     entry: SkinHole
     exit: SkinHole | None
     energy: EnergyDeposit
+    cells_across: float = np.inf
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,7 +154,8 @@ class WoundReport:
     """The wound in numbers, at the end of the run.
 
     `temporary_time` [s] is when the cavity was largest. `particle_count` and `steps` say what was
-    simulated; `flight_steps` of them with the tissues' true moduli.
+    simulated; `flight_steps` of them with the tissues' true moduli. `collapse_time` [s] is since
+    when the temporary cavity has collapsed, None where it has not at the end.
     """
 
     projectiles: tuple[ProjectileReport, ...]
@@ -162,3 +167,9 @@ class WoundReport:
     particle_count: int
     steps: int
     flight_steps: int
+    collapse_time: float | None = None
+
+    @property
+    def collapsed(self) -> bool:
+        """Whether the temporary cavity has collapsed by the end of the run."""
+        return self.collapse_time is not None

@@ -20,6 +20,13 @@ from .rigid_body import BodyPath, RigidBody
 from .shapes import Shape, Sphere
 from .shot_line import line_point
 
+OUT_CELLS = 2.0
+"""Distance [cells] from every point of the limb at which a body is out of it; chosen: no node
+feels both any more."""
+
+CLEAR_CELLS = 3.0
+"""How far [cells] a blade is drawn back beyond its first contact; chosen: out, and a cell more."""
+
 
 def body_at_contact(
     projectile: ProjectileParameters,
@@ -47,7 +54,7 @@ def body_at_contact(
     centre = _triple(start)
     name = projectile.name or projectile.shape
     if projectile.shape == "blade":
-        path = _thrust(projectile, shape, rotation, shot, start)
+        path = _thrust(projectile, shape, rotation, shot, start, grid_spacing=grid_spacing)
         return RigidBody(
             shape=shape, rotation=rotation, path=path, friction=projectile.friction,
             cutting=True, name=name,
@@ -114,8 +121,10 @@ def _thrust(
     rotation: FloatArray,
     shot: ShotLine,
     start: FloatArray,
+    *,
+    grid_spacing: float,
 ) -> BodyPath:
-    """In until the tip is `depth` behind the skin, and out again, at the shot's speed."""
+    """In until the tip is `depth` behind the skin, and out until it is clear, at the same speed."""
     direction = np.asarray(shot.direction)
     tip = Outline.of(shape).reach(direction, rotation)
     deepest = line_point(shot) + (projectile.depth - tip) * direction
@@ -126,9 +135,11 @@ def _thrust(
             f"is {projectile.depth / MILLIMETRE:g} mm: the blade does not reach the skin",
             "Give how deep its tip is thrust.",
         )
-    duration = travel / shot.speed
+    clear = start - CLEAR_CELLS * grid_spacing * direction
+    into = travel / shot.speed
+    out = float((deepest - clear) @ direction) / shot.speed
     return BodyPath(
-        times=np.array([0.0, duration, 2.0 * duration]), positions=np.array([start, deepest, start])
+        times=np.array([0.0, into, into + out]), positions=np.array([start, deepest, clear])
     )
 
 

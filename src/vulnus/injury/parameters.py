@@ -125,10 +125,12 @@ class InjuryParameters:
     """Whether the cavity's collapse is computed too, or the passage alone, as in the paper."""
     duration: float | None = None
     """Time from first contact to the end of the run [s]; None: 1 ms in the mode "paper" (section
-    2.2), else 15 ms, when a temporary cavity has collapsed (5-15 ms, PHYSICS 2)."""
+    2.2), else until the temporary cavity has collapsed, between 10 and 20 ms (PHYSICS heading 3;
+    `run_end`), and never before a blade is out again."""
     phase_one: float = 1e-3
     """Least time [s] with the tissues' true moduli; they stay as long as a projectile in the limb
-    is faster than a tenth of `relaxation_sound_speed`. Chosen: as long as the paper's whole run."""
+    is faster than a tenth of `relaxation_sound_speed`, and as long as a blade is thrust. Chosen: as
+    long as the paper's whole run."""
     relaxation_sound_speed: float = 300.0
     """Speed of sound [m/s] that every tissue is slowed to after that, by a lower bulk modulus, so
     that the collapse takes larger steps; chosen: ten times the speed of a collapsing cavity's wall.
@@ -151,7 +153,7 @@ class InjuryParameters:
     frame_interval: float = 5e-5
     """Time between exported frames during `phase_one` [s]; chosen: 20 frames in 1 ms."""
     relaxation_frame_interval: float = 5e-4
-    """Time between exported frames after that [s]; chosen: 28 frames until 15 ms."""
+    """Time between exported frames after that [s]; chosen: at most 38 frames until 20 ms."""
     bone_modulus_scale: float = 0.3
     """Factor on the elastic moduli of cortical bone, 1 for the true stiffness; 0.3 (17 to 5 GPa)
     halves the number of steps and changes little in soft tissue (PHYSICS.md 1.5)."""
@@ -167,10 +169,3 @@ class InjuryParameters:
     """Number of threads, 0 for all; the result does not depend on it."""
     seed: int = 0
     """Seed of the run; the stage itself draws no random numbers."""
-
-    @property
-    def end_time(self) -> float:
-        """Time from first contact to the end of the run [s]."""
-        if self.duration is not None:
-            return self.duration
-        return 1e-3 if self.mode == "paper" else 15e-3

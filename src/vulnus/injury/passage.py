@@ -6,9 +6,8 @@ lowered bulk moduli, which takes larger steps. The mode "paper" has the first ph
 
 from __future__ import annotations
 
-import math
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -26,8 +25,10 @@ from vulnus.core.units import MILLISECOND
 from .artery_injuries import artery_report, injured_arteries
 from .materials import slowed
 from .parameters import InjuryParameters
-from .record import RunRecord, Snapshot
-from .report import LimbState, cavity_of, fates_of, makes_exit, open_holes, wound_report
+from .projectile_way import ProjectileWay, fates_of, ways_of
+from .record import RunRecord, Snapshot, poses
+from .report import LimbState, cavity_of, open_holes, wound_report
+from .run_end import collapse_time, schedule
 from .shot_setup import ShotSetup, prepare_shot
 from .solver import set_threads
 
@@ -64,18 +65,17 @@ class _Run:
         on_frame: Callable[[ParticleFrame], None] | None,
     ) -> None:
         self.setup, self.checkpoint, self.on_frame = setup, checkpoint, on_frame
+        self.schedule = schedule(setup.parameters, setup.thrust_end)
         self.record = RunRecord(setup.solver, setup.connected)
 
     def to_the_end(self, progress: Progress) -> None:
         """Run from where the checkpoint stands to the last frame."""
-        solver, parameters = self.setup.solver, self.setup.parameters
+        solver = self.setup.solver
         saved = self.checkpoint.load()
         if saved is not None:
-            if int(saved["record.relaxed"]):
-                solver.change_materials(self._slowed_materials())
             solver.restore(saved)
             self.record.resume(saved)
-        progress.begin("injury", parameters.end_time / MILLISECOND, "ms")
+        progress.begin("injury", self.schedule.latest / MILLISECOND, "ms")
 
         def report() -> None:
             progress.update(solver.time / MILLISECOND, f"{solver.steps} steps")
@@ -83,18 +83,22 @@ class _Run:
         if solver.time == 0.0:
             self._end_of_frame(0)
         begun = solver.time
-        for index, until in frame_times(parameters):
+        for index, until in enumerate(self.schedule.times, start=1):
             if until <= begun:  # written before the checkpoint that this run goes on from
                 continue
             while solver.time < until:
                 self._epoch(until, report)
             self._end_of_frame(index)
+            if self._has_collapsed():
+                break
         progress.end()
 
     def _epoch(self, until: float, report: Callable[[], None]) -> None:
         solver, record = self.setup.solver, self.record
         start = clock.perf_counter()
-        solver.advance_epoch(until, on_call=report)
+        # A guided body turns at the end of an epoch, so that its deepest place is noted.
+        stop = min((turn for turn in self.setup.turns if turn > solver.time), default=until)
+        solver.advance_epoch(min(stop, until), on_call=report)
         record.wall += clock.perf_counter() - start
         record.follow(solver)
         if self._flight_is_over():
@@ -105,12 +109,21 @@ class _Run:
 
     def _end_of_frame(self, index: int) -> None:
         solver = self.setup.solver
-        self.record.note_cavity(solver, cavity_of(self.setup, solver.position).volume)
+        cavity = cavity_of(self.setup, solver.position, poses(solver.bodies))
+        self.record.note_cavity(solver, cavity.volume)
         if self.on_frame is not None:
             self.on_frame(_frame(self.setup, index))
 
+    def _has_collapsed(self) -> bool:
+        """Whether the run may end: no projectile is on its way and the cavity has collapsed."""
+        if not self.schedule.earliest <= self.setup.solver.time < self.schedule.latest:
+            return False
+        return collapse_time(self.record.history) is not None and "inside" not in fates_of(
+            self.setup
+        )
+
     def _flight_is_over(self) -> bool:
-        """Whether the moduli may be lowered now: every projectile is out, or slow.
+        """Whether the moduli may be lowered now: every projectile is out, or slow, and none guided.
 
         Slow is a tenth of the lowered speed of sound, where compressibility does not matter.
         """
@@ -118,7 +131,7 @@ class _Run:
         if self.record.relaxed or parameters.mode == "paper":
             return False
         slow = 0.1 * parameters.relaxation_sound_speed
-        if slow == 0.0 or solver.time < parameters.phase_one:
+        if slow == 0.0 or solver.time < max(parameters.phase_one, self.setup.thrust_end):
             return False
         return all(
             fate == "left" or float(np.linalg.norm(body.velocity)) < slow
@@ -127,24 +140,6 @@ class _Run:
 
     def _slowed_materials(self) -> FloatArray:
         return slowed(self.setup.materials, self.setup.parameters.relaxation_sound_speed)
-
-
-def frame_times(parameters: InjuryParameters) -> list[tuple[int, float]]:
-    """Index and time [s] of every frame after the first; the last one is at the end.
-
-    They lie close during `phase_one` (in the mode "paper": all through), and far apart after it.
-    """
-    end = parameters.end_time
-    dense_end = end if parameters.mode == "paper" else min(parameters.phase_one, end)
-    dense = math.ceil(dense_end / parameters.frame_interval - 1e-9)
-    times = [index * parameters.frame_interval for index in range(1, dense)]
-    if 0.0 < dense_end < end:
-        times.append(dense_end)
-    sparse = math.ceil((end - dense_end) / parameters.relaxation_frame_interval - 1e-9)
-    times += [
-        dense_end + index * parameters.relaxation_frame_interval for index in range(1, sparse)
-    ]
-    return list(enumerate([*times, end], start=1))
 
 
 def _frame(setup: ShotSetup, index: int) -> ParticleFrame:
@@ -172,26 +167,30 @@ def _outcome(setup: ShotSetup, record: RunRecord) -> InjuryOutcome:
     named = {"permanent": last}
     if setup.parameters.mode == "full":
         named = {"temporary": record.largest or last, "permanent": last}
-    paths = [record.flight(number).position for number in range(len(setup.shots))]
+    ways = ways_of(setup, record)
     end = LimbState.of(setup, last)
-    vessels = artery_report(setup, last, paths, end.damage)
+    vessels = artery_report(setup, last, _paths(ways), end.damage)
     return InjuryOutcome(
         states={
-            name: _injured_limb(setup, snapshot, record=record, paths=paths)
+            name: _injured_limb(setup, snapshot, record=record, ways=ways)
             for name, snapshot in named.items()
         },
         bleeds_from=setup.parameters.bleeds_from,
-        report=wound_report(setup, record, end=end, vessels=vessels),
+        report=wound_report(setup, record, ways, end=end, vessels=vessels),
     )
 
 
+def _paths(ways: Sequence[ProjectileWay]) -> list[FloatArray]:
+    return [way.middle.position for way in ways]
+
+
 def _injured_limb(
-    setup: ShotSetup, snapshot: Snapshot, *, record: RunRecord, paths: list[FloatArray]
+    setup: ShotSetup, snapshot: Snapshot, *, record: RunRecord, ways: Sequence[ProjectileWay]
 ) -> InjuredLimb:
     limb, solver = setup.limb, setup.solver
     state = LimbState.of(setup, snapshot)
-    arteries, injuries = injured_arteries(setup, snapshot, paths, state.damage)
-    entry_area, exit_area = open_holes(setup, state)
+    arteries, injuries = injured_arteries(setup, snapshot, _paths(ways), state.damage)
+    first, *others = open_holes(setup, ways, state)
     return InjuredLimb(
         position=state.position,
         reference_position=np.asarray(limb.position, np.float32),
@@ -202,8 +201,9 @@ def _injured_limb(
         arteries=arteries,
         injuries=injuries,
         shot=setup.shot,
-        entry_area=entry_area,
-        exit_area=exit_area if makes_exit(setup, 0) else None,
+        entry_area=first.entry_area,
+        exit_area=first.exit_area,
+        other_holes=tuple(others),
         time=snapshot.time,
         steps=snapshot.steps,
         particle_steps_per_second=solver.steps * len(setup.simulated) / max(record.wall, 1e-9),

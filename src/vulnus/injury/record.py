@@ -1,10 +1,11 @@
-"""What a run keeps while it goes on: the flight, the largest stretch and cavity, and that state.
+"""What a run keeps while it goes on: the tracks, the largest stretch and cavity, and that state.
 
 All of it goes into the checkpoint, so that a killed run resumes with the same maxima.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +14,9 @@ from vulnus.core.arrays import AnyArray, BoolArray, Float32Array, FloatArray
 from vulnus.core.checkpoint import CheckpointData, CheckpointValue
 from vulnus.core.handoff import CavityHistory
 
+from .body_track import BodyTrack
 from .rigid_body import BodyState
 from .solver import MpmSolver
-from .tract import FlightPath
 from .wound import piece_lengths
 
 
@@ -24,7 +25,8 @@ class Snapshot:
     """The simulated limb at `time` [s], in the limb's order.
 
     `position` (n, 3) [m], `damage` (n,); `tracers` (m, 3) [m], their least distance `approach`
-    (m,) [m] to a projectile's surface and the largest `stretch` (m - 1,) between two, so far.
+    (m,) [m] to a projectile's surface and the largest `stretch` (m - 1,) between two, so far;
+    `bodies` (b, 12) how the projectiles lie, as `poses` says.
     """
 
     time: float
@@ -34,6 +36,7 @@ class Snapshot:
     tracers: FloatArray
     approach: FloatArray
     stretch: FloatArray
+    bodies: FloatArray
 
     def entries(self, name: str) -> dict[str, CheckpointValue]:
         """Its fields for a checkpoint, each name with a prefix."""
@@ -49,9 +52,15 @@ class Snapshot:
             steps=int(data[f"{name}.steps"]),
             **{
                 field: np.asarray(data[f"{name}.{field}"])
-                for field in ("position", "damage", "tracers", "approach", "stretch")
+                for field in ("position", "damage", "tracers", "approach", "stretch", "bodies")
             },
         )
+
+
+def poses(bodies: Sequence[BodyState]) -> FloatArray:
+    """Where bodies are and how they lie, (b, 12): the middle [m], and the rows of the rotation."""
+    rows = [np.concatenate([body.position, np.ravel(body.rotation)]) for body in bodies]
+    return np.array(rows, np.float64).reshape(-1, 12)
 
 
 class RunRecord:
@@ -63,7 +72,7 @@ class RunRecord:
         self._connected = connected
         self._lengths = piece_lengths(tracers)
         self.stretch = np.ones(len(self._lengths))
-        self.flights: list[list[tuple[float, ...]]] = [[] for _ in solver.bodies]
+        self.tracks = [BodyTrack() for _ in solver.bodies]
         self.cavity: list[tuple[float, float]] = []
         self.largest: Snapshot | None = None
         self.flight_steps = 0
@@ -76,9 +85,9 @@ class RunRecord:
         tracers, _ = solver.tracers
         ratio = np.where(self._connected, piece_lengths(tracers) / self._lengths, 1.0)
         self.stretch = np.maximum(self.stretch, ratio)
+        self._note_bodies(solver.time, solver.bodies)
         if not self.relaxed:
             self.flight_steps = solver.steps
-            self._note_bodies(solver.time, solver.bodies)
 
     def note_cavity(self, solver: MpmSolver, volume: float) -> None:
         """Take note of a cavity's volume [m³], and keep the state where it is the largest."""
@@ -100,12 +109,8 @@ class RunRecord:
             tracers=tracers,
             approach=approach,
             stretch=self.stretch.copy(),
+            bodies=poses(solver.bodies),
         )
-
-    def flight(self, body: int) -> FlightPath:
-        """The path of a body until the moduli were lowered, or the end."""
-        rows = np.array(self.flights[body], np.float64)
-        return FlightPath(time=rows[:, 0], position=rows[:, 1:4], speed=rows[:, 4], work=rows[:, 5])
 
     @property
     def history(self) -> CavityHistory:
@@ -120,7 +125,7 @@ class RunRecord:
         kept: dict[str, CheckpointValue] = {
             "record.stretch": self.stretch,
             "record.cavity": np.array(self.cavity, np.float64).reshape(-1, 2),
-            "record.flights": np.array(self.flights, np.float64),
+            "record.tracks": np.array([track.rows for track in self.tracks], np.float64),
             "record.flight_steps": self.flight_steps,
             "record.relaxed": int(self.relaxed),
             "record.wall": self.wall,
@@ -133,18 +138,15 @@ class RunRecord:
         """Go on from what `entries` gave."""
         self.stretch = np.asarray(data["record.stretch"], np.float64)
         self.cavity = [(float(t), float(v)) for t, v in _rows(data["record.cavity"])]
-        flights = np.asarray(data["record.flights"])
-        self.flights = [[tuple(float(v) for v in row) for row in body] for body in flights]
+        self.tracks = [BodyTrack(rows) for rows in np.asarray(data["record.tracks"])]
         self.flight_steps = int(data["record.flight_steps"])
         self.relaxed = bool(int(data["record.relaxed"]))
         self.wall = float(data["record.wall"])
         self.largest = Snapshot.from_entries(data, "largest")
 
     def _note_bodies(self, time: float, bodies: tuple[BodyState, ...]) -> None:
-        for flight, body in zip(self.flights, bodies, strict=True):
-            x, y, z = (float(c) for c in body.position)
-            speed = float(np.linalg.norm(body.velocity))
-            flight.append((time, x, y, z, speed, float(body.work)))
+        for track, body in zip(self.tracks, bodies, strict=True):
+            track.note(time, body)
 
 
 def _rows(values: CheckpointValue) -> AnyArray:

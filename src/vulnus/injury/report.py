@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
-from vulnus.core.handoff import LimbModel, ShotLine, Tissue
+from vulnus.core.handoff import LimbModel, ProjectileHoles, ShotLine, Tissue
 from vulnus.core.wound_report import (
     BoneReport,
-    ProjectileFate,
     ProjectileReport,
     SkinHole,
     TissueField,
@@ -21,26 +20,17 @@ from vulnus.core.wound_report import (
 )
 
 from . import skin_holes
+from .body_filling import body_filling
 from .bone_fragments import bone_report
 from .cavity import Cavity, deposit, find_cavity, tissue_share
-from .flying_bodies import shape_of
 from .materials import TISSUE_MATERIALS
-from .record import RunRecord, Snapshot
-from .rigid_body import BodyState
+from .projectile_way import ProjectileWay
+from .record import RunRecord, Snapshot, poses
+from .run_end import collapse_time
 from .shot_setup import ShotSetup
-from .tract import (
-    FlightPath,
-    arc_length_of,
-    cavity_radius,
-    destroyed_radius,
-    energy_along,
-    points_in_limb,
-)
+from .tract import arc_length_of, cavity_radius, destroyed_radius, energy_along
 
 BONE = (Tissue.BONE, Tissue.CANCELLOUS)
-
-REST_SPEED = 1.0
-"""Speed [m/s] below which a projectile has stopped; chosen: slower than tissue recoils."""
 
 FIELD_MARGIN = 0.03
 """How far around the tract the field of damage reaches [m]; chosen: a temporary cavity's radius."""
@@ -68,62 +58,52 @@ def mean_spacing(limb: LimbModel) -> float:
     return float(np.cbrt(np.mean(limb.volume, dtype=np.float64)))
 
 
-def cavity_of(setup: ShotSetup, position: AnyArray) -> Cavity:
-    """The cavity of the simulated part with its points at `position` (n, 3) [m]."""
-    limb = setup.limb
+def cavity_of(setup: ShotSetup, position: AnyArray, bodies: FloatArray) -> Cavity:
+    """The cavity of the simulated part with its points at `position` (n, 3) [m].
+
+    Room that the projectiles fill, which lie as `bodies` (b, 12) says (`record.poses`), is none.
+    """
+    limb, spacing = setup.limb, mean_spacing(setup.limb)
     before = np.asarray(limb.position, np.float64)[setup.simulated]
-    margin = 10.0 * mean_spacing(limb)  # tissue bulges, and debris that flies off is none
+    margin = 10.0 * spacing  # tissue bulges, and debris that flies off is none
+    filled = [
+        body_filling(body.shape, pose, spacing)
+        for body, pose in zip(setup.bodies, bodies, strict=True)
+    ]
     return find_cavity(
-        position,
-        mean_spacing(limb),
-        volume=limb.volume[setup.simulated],
+        np.concatenate([position, *(body.position for body in filled)]),
+        spacing,
+        volume=np.concatenate([limb.volume[setup.simulated], *(body.volume for body in filled)]),
         box=(before.min(axis=0) - margin, before.max(axis=0) + margin),
     )
 
 
-def fates_of(setup: ShotSetup) -> list[ProjectileFate]:
-    """What became of each projectile so far."""
-    return [
-        _fate(setup, body, shot)
-        for body, shot in zip(setup.solver.bodies, setup.shots, strict=True)
-    ]
-
-
-def _fate(setup: ShotSetup, body: BodyState, shot: ShotLine) -> ProjectileFate:
-    """Whether the body is out of the limb as it was, at rest in it, or still on its way.
-
-    Out means farther than its radius and two cells from every material point.
-    """
-    margin = 2.0 * setup.parameters.grid_spacing
-    offset = np.asarray(setup.limb.position, np.float64) - body.position
-    nearest = float(np.sqrt(np.min(np.einsum("ij,ij->i", offset, offset))))
-    along = float((body.position - np.asarray(shot.entry_point)) @ np.asarray(shot.direction))
-    if nearest > 0.5 * shot.diameter + margin and (along > 0.0 or body.work > 0.0):
-        return "left"
-    return "stopped" if float(np.linalg.norm(body.velocity)) < REST_SPEED else "inside"
-
-
-def makes_exit(setup: ShotSetup, number: int) -> bool:
-    """Whether projectile `number` has left the limb at the far side; a blade leaves as it came."""
-    shot, projectile = setup.shots[number], setup.projectiles[number]
-    chord = float(np.linalg.norm(np.subtract(shot.exit_point, shot.entry_point)))
-    through = projectile.shape != "blade" or projectile.depth > chord
-    return through and fates_of(setup)[number] == "left"
-
-
-def open_holes(setup: ShotSetup, state: LimbState) -> tuple[float, float]:
-    """Areas [m²] of the holes in the skin at the entry and where the line leaves the limb.
+def open_holes(
+    setup: ShotSetup, ways: Sequence[ProjectileWay], state: LimbState
+) -> tuple[ProjectileHoles, ...]:
+    """Areas of the holes in the skin that each projectile has made.
 
     In the mode "paper" a hole is where skin points are fewer than half as dense as before,
     measured on the undeformed skin; else it is the gap between the skin that is not destroyed.
     """
-    shot = setup.shot
-    entry, exit_ = (
-        _hole(setup, shot, state, point) for point in (shot.entry_point, shot.exit_point)
-    )
-    if setup.parameters.mode == "paper":
-        return entry.destroyed_area, exit_.destroyed_area
-    return entry.open_area, exit_.open_area
+    holes = []
+    for shot, way in zip(setup.shots, ways, strict=True):
+        entry, out = shot.entry_point, way.exit_place
+        holes.append(
+            ProjectileHoles(
+                entry_point=entry,
+                entry_area=_seen_area(setup, _hole(setup, shot, state, entry)),
+                exit_point=out,
+                exit_area=None
+                if out is None
+                else _seen_area(setup, _hole(setup, shot, state, out)),
+            )
+        )
+    return tuple(holes)
+
+
+def _seen_area(setup: ShotSetup, hole: SkinHole) -> float:
+    return hole.destroyed_area if setup.parameters.mode == "paper" else hole.open_area
 
 
 def _hole(setup: ShotSetup, shot: ShotLine, state: LimbState, centre: Vector3) -> SkinHole:
@@ -174,28 +154,24 @@ def _seen_radius(shot: ShotLine, cell: float) -> float:
 def _projectile_report(
     setup: ShotSetup,
     number: int,
+    way: ProjectileWay,
     *,
-    path: FlightPath,
     end: LimbState,
     cavities: tuple[Cavity, Cavity],
 ) -> ProjectileReport:
-    """What projectile `number` did, from its path and the cavities, the largest and the last."""
+    """What projectile `number` did, from its way and the cavities, the largest and the last."""
     limb, body, shot = setup.limb, setup.solver.bodies[number], setup.shots[number]
-    projectile, fate = setup.projectiles[number], fates_of(setup)[number]
-    if projectile.shape == "blade":
-        reach = float(shape_of(projectile).upper[0])
-        path = path.thrust(reach * np.asarray(body.rotation)[:, 0], shot.speed)
-    points = points_in_limb(path, limb.position, 1.5 * limb.spacing)
+    projectile, points = setup.projectiles[number], way.points
     destroyed = end.damage >= setup.parameters.damage_threshold
-    begin, last = float(path.speed[0]), float(path.speed[-1])
+    last = float(way.middle.speed[-1])
     mass = projectile.mass if projectile.motion == "dynamic" else None
     return ProjectileReport(
         name=body.name,
-        fate=fate,
+        fate=way.fate,
         position=_vector(body.position),
-        speed_before=begin,
+        speed_before=shot.speed,
         speed_after=last,
-        energy_before=None if mass is None else 0.5 * mass * begin**2,
+        energy_before=None if mass is None else 0.5 * mass * shot.speed**2,
         energy_after=None if mass is None else 0.5 * mass * last**2,
         tract=WoundTract(
             points=points,
@@ -207,23 +183,27 @@ def _projectile_report(
             ),
         ),
         entry=_hole(setup, shot, end, shot.entry_point),
-        exit=_hole(setup, shot, end, _vector(points[-1])) if makes_exit(setup, number) else None,
-        energy=energy_along(path),
+        exit=None if way.exit_place is None else _hole(setup, shot, end, way.exit_place),
+        energy=energy_along(way.foremost),
+        cells_across=projectile.diameter / setup.parameters.grid_spacing,
     )
 
 
 def wound_report(
-    setup: ShotSetup, record: RunRecord, *, end: LimbState, vessels: Sequence[VesselReport]
+    setup: ShotSetup,
+    record: RunRecord,
+    ways: Sequence[ProjectileWay],
+    *,
+    end: LimbState,
+    vessels: Sequence[VesselReport],
 ) -> WoundReport:
     """All of the report, at the end of the run."""
-    largest = record.largest
-    last = cavity_of(setup, end.position[setup.simulated])
-    first = last if largest is None else cavity_of(setup, largest.position)
+    largest, now = record.largest, poses(setup.solver.bodies)
+    last = cavity_of(setup, end.position[setup.simulated], now)
+    first = last if largest is None else cavity_of(setup, largest.position, largest.bodies)
     projectiles = tuple(
-        _projectile_report(
-            setup, number, path=record.flight(number), end=end, cavities=(first, last)
-        )
-        for number in range(len(setup.shots))
+        _projectile_report(setup, number, way, end=end, cavities=(first, last))
+        for number, way in enumerate(ways)
     )
     return WoundReport(
         projectiles=projectiles,
@@ -235,6 +215,7 @@ def wound_report(
         particle_count=len(setup.simulated),
         steps=setup.solver.steps,
         flight_steps=record.flight_steps,
+        collapse_time=collapse_time(record.history),
     )
 
 

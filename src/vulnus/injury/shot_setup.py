@@ -25,6 +25,8 @@ from .parameters import (
     ShotParameters,
     WoundState,
 )
+from .rigid_body import RigidBody
+from .run_end import LONGEST_TIME, PASSAGE_TIME
 from .shot_line import aim
 from .solver import MpmSolver
 
@@ -32,8 +34,8 @@ DOMAIN_MARGIN = 0.5
 """How far [m] a particle may fly out of the limb's box in a run of 1 ms; chosen: at 500 m/s."""
 
 POSITIVE = {
+    "duration": "duration_ms",
     "grid_spacing": "grid_spacing_mm",
-    "end_time": "duration_ms",
     "frame_interval": "frame_interval_ms",
     "relaxation_frame_interval": "relaxation_frame_interval_ms",
     "bone_modulus_scale": "bone_modulus_scale",
@@ -54,14 +56,16 @@ class ShotSetup:
     """A shot ready to run: the limb, which part of it is simulated, the solver at its first step.
 
     `simulated` (n,) are the limb's points that the solver holds, in its order; `materials` are the
-    rows of its table. `tracer_range` and `tracer_inside` say for each artery which of the solver's
-    tracers are its `stations`, and which stations have one.
+    rows of its table; `bodies` the projectiles at first contact. `tracer_range` and `tracer_inside`
+    say for each artery which of the solver's tracers are its `stations`, and which stations have
+    one.
     """
 
     limb: LimbModel
     parameters: InjuryParameters
     solver: MpmSolver
     materials: FloatArray
+    bodies: tuple[RigidBody, ...]
     shots: tuple[ShotLine, ...]
     simulated: IndexArray
     stations: tuple[wound.CentrelineStations, ...]
@@ -78,6 +82,17 @@ class ShotSetup:
         """The projectiles in the order of `shots` and of the solver's bodies."""
         others = (shot.projectile for shot in self.parameters.other_shots)
         return (self.parameters.projectile, *others)
+
+    @property
+    def turns(self) -> tuple[float, ...]:
+        """Times [s] at which guided bodies turn or stop, growing."""
+        paths = [body.path for body in self.bodies if body.path is not None]
+        return tuple(sorted({float(time) for path in paths for time in path.times if time > 0.0}))
+
+    @property
+    def thrust_end(self) -> float:
+        """Time [s] at which the last guided body is out of the limb again, 0 without one."""
+        return max(self.turns, default=0.0)
 
     @property
     def connected(self) -> BoolArray:
@@ -118,6 +133,12 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
     materials = tissue_table(
         parameters.grid_spacing, bone_modulus_scale=parameters.bone_modulus_scale
     )
+    bodies = tuple(
+        body_at_contact(
+            each.projectile, shot, inside, upright=axis, grid_spacing=parameters.grid_spacing
+        )
+        for each, shot in zip(flying, shots, strict=True)
+    )
     lower, upper = domain_of(inside, shots[0], parameters)
     solver = MpmSolver(
         materials=materials,
@@ -126,16 +147,7 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
         upper=upper,
         courant_number=parameters.courant_number,
         gravity=parameters.gravity,
-        bodies=[
-            body_at_contact(
-                each.projectile,
-                shot,
-                inside,
-                upright=axis,
-                grid_spacing=parameters.grid_spacing,
-            )
-            for each, shot in zip(flying, shots, strict=True)
-        ],
+        bodies=bodies,
         boundaries=ends_of(window, parameters),
     )
     solver.set_particles(inside, volume=limb.volume[simulated], material=limb.tissue[simulated])
@@ -148,6 +160,7 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
         parameters=parameters,
         solver=solver,
         materials=materials,
+        bodies=bodies,
         shots=shots,
         simulated=simulated,
         stations=stations,
@@ -166,7 +179,8 @@ def domain_of(
     """
     cell = parameters.grid_spacing
     middle = cell * np.round(np.asarray(shot.entry_point) / cell)
-    margin = DOMAIN_MARGIN * max(1.0, parameters.end_time / 1e-3)
+    duration = LONGEST_TIME if parameters.duration is None else parameters.duration
+    margin = DOMAIN_MARGIN * max(1.0, duration / PASSAGE_TIME)
     half = np.max(np.abs(points - middle), axis=0) + margin
     return _triple(middle - half), _triple(middle + half)
 
@@ -264,9 +278,16 @@ def _check(parameters: InjuryParameters, limb: LimbModel) -> None:
             'Use "permanent" or "temporary".',
         )
     _check_lengths(parameters, limb)
+    if parameters.laceration_threshold > parameters.damage_threshold:
+        raise ScenarioError(
+            "injury.laceration_threshold",
+            f"is {parameters.laceration_threshold:g}, more than damage_threshold, "
+            f"{parameters.damage_threshold:g}, from which an artery is transected",
+            "Give less.",
+        )
     for name, scenario_key in POSITIVE.items():
         value = getattr(parameters, name)
-        if not (math.isfinite(value) and value > 0.0):
+        if value is not None and not (math.isfinite(value) and value > 0.0):
             raise ScenarioError(
                 f"injury.{scenario_key}",
                 f"is {value:g} in SI units, must be > 0",

@@ -1,14 +1,13 @@
-"""The tract: the way of the projectile's middle through the limb, and what it left along it."""
+"""The tract: the way of the projectile's foremost point in the limb, and what it left there."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from vulnus.core.arrays import AnyArray, BoolArray, FloatArray
 from vulnus.core.wound_report import EnergyDeposit
 
+from .body_track import FlightPath
 from .cavity import Cavity
 
 STATION_SPACING = 2e-3
@@ -26,36 +25,6 @@ It is counted to the last bin."""
 
 NEAR_TRACT = 0.06
 """How far from the tract destroyed tissue is counted to it [m]; chosen: a large cavity's radius."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class FlightPath:
-    """Where the projectile was: `time` (k,) [s], `position` (k, 3) [m], `speed` (k,) [m/s].
-
-    `work` (k,) [J] that it has done on the tissue since first contact.
-    """
-
-    time: FloatArray
-    position: FloatArray
-    speed: FloatArray
-    work: FloatArray
-
-    @property
-    def arc_length(self) -> FloatArray:
-        """Length (k,) [m] of the way since the first point."""
-        steps = np.linalg.norm(np.diff(self.position, axis=0), axis=1)
-        return np.concatenate([[0.0], np.cumsum(steps)])
-
-    def thrust(self, nose: FloatArray, speed: float) -> FlightPath:
-        """The way of a blade's tip, `nose` (3,) [m] from its middle, up to where it is deepest.
-
-        Work on the way out counts where the blade was deepest; `speed` [m/s] is the hand's.
-        """
-        tip = self.position + nose
-        deepest = int(np.argmax((tip - tip[0]) @ nose))
-        tip[deepest:] = tip[deepest]
-        pace = np.where(np.arange(len(tip)) < deepest, speed, 0.0)
-        return FlightPath(time=self.time, position=tip, speed=pace, work=self.work)
 
 
 def points_in_limb(path: FlightPath, limb_points: AnyArray, reach: float) -> FloatArray:

@@ -7,7 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vulnus.injury.body_filling import body_filling
 from vulnus.injury.cavity import cavity_volume, deposit, directions_with_tissue, find_cavity
+from vulnus.injury.drawn_shapes import BladeShape
+from vulnus.injury.shapes import Sphere
 
 SPACING = 0.002
 
@@ -108,3 +111,32 @@ def test_rays_count_what_they_meet():
     assert seen[2, 2, 2] == 9  # the nine directions with +x
     assert seen[3, 0, 0] == 4  # in the corner only those that stay in the box
     assert seen[4, 2, 2] == 8  # in the wall: along it
+
+
+def filled_with(shape, hollow, place=(0.0, 0.0, 0.0)):
+    """The cavity of hollow points with a body in it."""
+    body = body_filling(shape, np.concatenate([place, np.eye(3).ravel()]), SPACING)
+    volume = np.concatenate([np.full(len(hollow), SPACING**3), body.volume])
+    return cavity_volume(np.concatenate([hollow, body.position]), SPACING, volume=volume)
+
+
+def test_the_room_of_a_body_is_no_cavity(block):
+    """One that fills its hole leaves nothing, one of half the size the rest, within 5 %."""
+    radius = 6 * SPACING
+    hollow = block[np.linalg.norm(block, axis=1) > radius]
+    ball = 4.0 / 3.0 * np.pi * radius**3
+    assert filled_with(Sphere(radius), hollow) < 0.05 * ball
+    assert filled_with(Sphere(0.5 * radius), hollow) == pytest.approx(0.875 * ball, rel=0.05)
+    # Beside the tissue it changes nothing.
+    apart = filled_with(Sphere(0.5 * radius), hollow, (0.06, 0.0, 0.0))
+    assert apart == pytest.approx(cavity_volume(hollow, SPACING), rel=1e-6)
+
+
+def test_a_body_is_filled_with_its_volume():
+    blade = BladeShape(0.1, 0.02, 0.001, 0.02)
+    filled = body_filling(blade, np.concatenate([[1.0, 2.0, 3.0], np.eye(3).ravel()]), SPACING)
+    assert filled.volume.sum() == pytest.approx(blade.volume)
+    assert np.all(filled.position > np.array([1.0, 2.0, 3.0]) + blade.lower)
+    assert np.all(filled.position < np.array([1.0, 2.0, 3.0]) + blade.upper)
+    dot = body_filling(Sphere(1e-5), np.concatenate([[0.0, 0.0, 1.0], np.eye(3).ravel()]), SPACING)
+    assert dot.position.tolist() == [[0.0, 0.0, 1.0]]

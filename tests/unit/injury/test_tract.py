@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from vulnus.injury.body_track import FlightPath
 from vulnus.injury.cavity import find_cavity
 from vulnus.injury.tract import (
-    FlightPath,
     arc_length_of,
     cavity_radius,
     destroyed_radius,
@@ -101,16 +101,3 @@ def test_a_projectile_that_did_nothing_left_nothing():
     path = straight()
     idle = FlightPath(path.time, path.position, path.speed, np.zeros(len(path.time)))
     assert energy_along(idle).total == 0.0
-
-
-def test_a_blade_s_tract_is_the_way_of_its_tip_to_where_it_is_deepest():
-    time = np.array([0.0, 5e-3, 10e-3])
-    middle = np.array([[-0.08, 0.0, 0.0], [-0.02, 0.0, 0.0], [-0.08, 0.0, 0.0]])
-    guided = FlightPath(time, middle, np.zeros(3), np.array([0.0, 8.0, 10.0]))
-    thrust = guided.thrust(np.array([0.06, 0.0, 0.0]), 12.0)
-    assert np.allclose(thrust.position[:, 0], [-0.02, 0.04, 0.04])
-    assert thrust.arc_length[-1] == pytest.approx(0.06)
-    assert thrust.speed.tolist() == [12.0, 0.0, 0.0]
-    deposit = energy_along(thrust)
-    assert deposit.total == pytest.approx(10.0)  # what it does on the way out counts too
-    assert deposit.edges[-1] == pytest.approx(0.06)
