@@ -9,7 +9,7 @@ import numpy as np
 from vulnus.core.arrays import FloatArray
 from vulnus.core.checkpoint import CheckpointValue
 
-from .flight import Outline
+from .contact_way import Outline
 from .rigid_body import BodyState
 
 REST_SPEED = 1.0

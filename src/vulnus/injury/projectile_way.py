@@ -11,7 +11,7 @@ from vulnus.core.handoff import LimbModel
 from vulnus.core.wound_report import ProjectileFate
 
 from .body_track import FlightPath, rest_speed
-from .flight import Outline
+from .contact_way import Outline
 from .flying_bodies import OUT_CELLS
 from .record import RunRecord
 from .rigid_body import BodyState
