@@ -6,20 +6,20 @@ import numpy as np
 
 from vulnus.core.arrays import FloatArray, Vector3
 
-from .checked_values import unit_vector
-from .rotations import rotation_about
+from .checked_values import finite
+from .rotations import Axis, axis_vector, rotation_about
 
 UP: Vector3 = (0.0, 0.0, 1.0)
 """Proximal in the patient frame: up for a standing patient."""
 
 
 def attitude(
-    direction: Vector3,
+    direction: Axis,
     *,
     yaw: float = 0.0,
     pitch: float = 0.0,
     roll: float = 0.0,
-    up: Vector3 = UP,
+    up: Axis = UP,
 ) -> FloatArray:
     """Rotation (3, 3) of the body's frame into the world's for a flight along `direction`.
 
@@ -27,14 +27,17 @@ def attitude(
     blade) as near to `up` as can be. Then it is turned as a flier sees it: `yaw` moves the nose to
     the right, `pitch` upwards, and `roll` turns it about its long axis, clockwise from behind.
     """
-    nose = np.array(unit_vector("direction", direction))
-    above = np.array(unit_vector("up", up))
+    nose = axis_vector("direction", direction)
+    above = axis_vector("up", up)
     if abs(float(nose @ above)) > 1.0 - 1e-9:  # straight up or down: the next axis is up
         above = np.roll(above, 1)
     left = np.cross(above, nose)
     left /= np.linalg.norm(left)
     level = np.column_stack([nose, left, np.cross(nose, left)])
     turned: FloatArray = (
-        level @ rotation_about("z", -yaw) @ rotation_about("y", -pitch) @ rotation_about("x", roll)
+        level
+        @ rotation_about("z", -finite("yaw", yaw))
+        @ rotation_about("y", -finite("pitch", pitch))
+        @ rotation_about("x", finite("roll", roll))
     )
     return turned

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import math
+import numbers as numbers_abc
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -12,6 +15,11 @@ import numpy as np
 from vulnus.core.arrays import FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
+SHORTEST, LONGEST = 1e-9, 1e6
+"""Lengths [m] that an experiment knows [chosen: their fifth powers stay far from over- and
+underflow, and no tissue is finer or larger]."""
+MOST_POINTS = 2e8
+"""Points of one body [chosen: 50 GB of fields]."""
 LONGEST_SHOWN = 80  # characters [chosen: a line]
 ADVICE_SI = "Everything here is SI: metres, kilograms, seconds, pascals."
 
@@ -19,12 +27,18 @@ ADVICE_SI = "Everything here is SI: metres, kilograms, seconds, pascals."
 def finite(name: str, value: Any) -> float:
     """`value` as a float, refused where it is not a finite number; texts are none."""
     try:
-        number = math.nan if isinstance(value, str | bytes | bool) else float(value)
+        number = math.nan if isinstance(value, str | bytes | bool | np.bool_) else float(value)
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
         raise ScenarioError(name, f"is {shown(value)}, must be a finite number", ADVICE_SI)
     return number
+
+
+def not_a_number(value: object) -> bool:
+    """Whether something is no finite number."""
+    number = isinstance(value, numbers_abc.Real) and not isinstance(value, bool)
+    return not (number and math.isfinite(value))  # type: ignore[arg-type]
 
 
 def positive(name: str, value: Any) -> float:
@@ -33,6 +47,26 @@ def positive(name: str, value: Any) -> float:
     if not number > 0.0:
         raise ScenarioError(name, f"is {number:g}, must be > 0", ADVICE_SI)
     return number
+
+
+def length(name: str, value: Any) -> float:
+    """`value` [m] as a float, refused where it is none that can be computed with."""
+    number = positive(name, value)
+    if not SHORTEST <= number <= LONGEST:
+        raise ScenarioError(
+            name, f"is {number:g} m, must be {SHORTEST:g} to {LONGEST:g} m", ADVICE_SI
+        )
+    return number
+
+
+def whole_number(name: str, value: Any, most: int) -> int:
+    """`value` as an int, refused where it is not a whole number from 0 to `most`."""
+    number = not_negative(name, value)
+    if number > most or number != int(number):
+        raise ScenarioError(
+            name, f"is {number:g}, must be a whole number from 0 to {most}", "Round it."
+        )
+    return int(value)
 
 
 def not_negative(name: str, value: Any) -> float:
@@ -116,6 +150,24 @@ def is_a(name: str, value: object, kinds: type | tuple[type, ...], advice: str) 
 def true_or_false(name: str, value: object) -> None:
     """Refuse what is neither True nor False."""
     is_a(name, value, (bool, np.bool_), "Give True or False.")
+
+
+def refuse_too_many(name: str, points: float) -> None:
+    """Refuse to fill what takes more points than a computer holds."""
+    if points > MOST_POINTS:
+        raise ScenarioError(
+            name,
+            f"takes {points:.2g} points to fill, must be at most {MOST_POINTS:g}",
+            "Use a larger grid_spacing or a smaller body.",
+        )
+
+
+def warn_user(text: str) -> None:
+    """Warn at the line outside of vulnus that led here."""
+    level, frame = 1, inspect.currentframe()
+    while frame is not None and frame.f_globals.get("__name__", "").startswith("vulnus."):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, stacklevel=level)
 
 
 def has_methods(name: str, value: object, methods: Iterable[str], what: str) -> None:

@@ -15,8 +15,9 @@ from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 from vulnus.geometry.mesh import surface_volume
 
-from .checked_values import unit_vector, vector
+from .checked_values import has_methods, is_a, numbers, shown, vector
 from .mesh_shape import MeshShape
+from .rotations import Axis, axis_vector
 from .shape_distance import distance_to
 from .solids import Solid
 
@@ -79,6 +80,11 @@ class Difference(Solid):
     whole: Solid
     taken: Solid
 
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        Solid.__post_init__(self)
+        _check_parts((self.whole, self.taken))
+
     @property
     def thinnest(self) -> float:
         """Thickness [m] of the whole: how thin the rest is, is not known."""
@@ -94,16 +100,19 @@ class Difference(Solid):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HalfSpace(Solid):
-    """All on the side of a plane that `normal` points to; only of use to cut other solids."""
+    """All on the side of a plane that `normal` points to; only of use to cut other solids.
+
+    `point` [m] is on the plane; `normal` is any vector or the name of an axis.
+    """
 
     point: Vector3
-    normal: Vector3
+    normal: Axis
 
     def __post_init__(self) -> None:
         """Refuse a normal without direction."""
         Solid.__post_init__(self)
         vector("point", self.point)
-        unit_vector("normal", self.normal)
+        axis_vector("normal", self.normal)
 
     @property
     def thinnest(self) -> float:
@@ -111,12 +120,12 @@ class HalfSpace(Solid):
         return float("inf")
 
     def _local_distance(self, local: FloatArray) -> FloatArray:
-        normal = np.asarray(unit_vector("normal", self.normal))
+        normal = axis_vector("normal", self.normal)
         distance: FloatArray = -(local - np.asarray(self.point)) @ normal
         return distance
 
     def _local_bounds(self) -> tuple[FloatArray, FloatArray]:
-        normal = np.asarray(unit_vector("normal", self.normal))
+        normal = axis_vector("normal", self.normal)
         lower = np.where(normal == 1.0, self.point, -np.inf)
         upper = np.where(normal == -1.0, self.point, np.inf)
         return lower, upper
@@ -137,13 +146,19 @@ class FunctionSolid(Solid):
     def __post_init__(self) -> None:
         """Refuse a function that does not give one finite number a point."""
         Solid.__post_init__(self)
+        has_methods("function", self.function, ("__call__",), "a function of points (n, 3) [m]")
         lower, upper = vector("lower", self.lower), vector("upper", self.upper)
         if not np.all(np.asarray(upper) > lower):
             raise ScenarioError("upper", f"is {upper}, must be above lower {lower}", "Swap them?")
         self._local_distance(np.array([lower, upper]))
 
     def _local_distance(self, local: FloatArray) -> FloatArray:
-        distance = np.asarray(self.function(local), dtype=np.float64)
+        try:
+            given = self.function(local)
+        except Exception as error:
+            told = f"failed with {type(error).__name__}: {error}"
+            raise ScenarioError("function", told, "It takes points (n, 3) [m].") from error
+        distance = numbers(given)
         if distance.shape != (len(local),) or not np.isfinite(distance).all():
             raise ScenarioError(
                 "function",
@@ -166,6 +181,11 @@ class ClosedSurface(Solid):
 
     mesh: MeshShape
 
+    def __post_init__(self) -> None:
+        """Refuse what is no mesh."""
+        Solid.__post_init__(self)
+        is_a("mesh", self.mesh, MeshShape, 'Give a MeshShape.from_stl("bone.stl").')
+
     @property
     def thinnest(self) -> float:
         """Thickness [m] that the sampling of the mesh resolves."""
@@ -183,5 +203,6 @@ class ClosedSurface(Solid):
 
 
 def _check_parts(parts: tuple[Solid, ...]) -> None:
-    if not parts or not all(isinstance(part, Solid) for part in parts):
-        raise ScenarioError("parts", f"are {parts!r}", "Give a tuple of at least one solid.")
+    if not isinstance(parts, tuple) or not parts or not all(isinstance(p, Solid) for p in parts):
+        told = f"are {shown(parts)}"
+        raise ScenarioError("parts", told, "Give a tuple of at least one solid.")

@@ -11,7 +11,8 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from .shapes import SampledShape, require_positive
+from .checked_values import vector
+from .shapes import SampledShape, require_length
 from .signed_distance import SignedDistance, sample
 
 PROFILE_POINTS = 33
@@ -31,7 +32,7 @@ class Cylinder(SampledShape):
 
     def __post_init__(self) -> None:
         """Refuse sizes that are not positive."""
-        require_positive("cylinder", self.radius, self.length)
+        require_length("cylinder", self.radius, self.length)
 
     def drawn_box(self) -> tuple[FloatArray, FloatArray]:
         """Corners of the box around it, the middle at the origin."""
@@ -60,7 +61,7 @@ class Ogive(SampledShape):
 
     def __post_init__(self) -> None:
         """Refuse sizes that are not positive, and a nose longer than the bullet."""
-        require_positive("ogive", self.radius, self.length, self.nose_length)
+        require_length("ogive", self.radius, self.length, self.nose_length)
         if self.nose_length > self.length:
             raise ScenarioError(
                 "ogive nose_length",
@@ -107,7 +108,7 @@ class Box(SampledShape):
 
     def __post_init__(self) -> None:
         """Refuse sizes that are not positive."""
-        require_positive("box", *self.size)
+        require_length("box", *vector("box size", self.size))
 
     def drawn_box(self) -> tuple[FloatArray, FloatArray]:
         """Its corners, the middle at the origin."""
@@ -139,7 +140,7 @@ class BladeShape(SampledShape):
 
     def __post_init__(self) -> None:
         """Refuse sizes that are not positive, and a tip longer than the blade."""
-        require_positive("blade", self.length, self.width, self.thickness, self.tip_length)
+        require_length("blade", self.length, self.width, self.thickness, self.tip_length)
         if self.tip_length > self.length:
             raise ScenarioError(
                 "blade tip_length",

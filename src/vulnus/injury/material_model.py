@@ -11,6 +11,15 @@ import numpy as np
 from vulnus.core.arrays import FloatArray
 from vulnus.core.errors import ScenarioError
 
+from .checked_values import (
+    finite,
+    is_a,
+    not_a_number,
+    not_negative,
+    positive,
+    true_or_false,
+)
+
 UNLIMITED = 1e30
 """A strength, a stretch or an energy that is never reached."""
 
@@ -37,6 +46,9 @@ COLUMNS = (
     "break_slope",
 )
 """Columns of the native table, in the order of `MaterialColumn` in material.hpp."""
+
+FLAGS = ("quadratic_volume", "volume_averaging")
+"""Fields of `Material` that are True or False."""
 
 CAPACITY = 16
 """Rows that a native table holds (material.hpp)."""
@@ -97,10 +109,12 @@ class Material:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if isinstance(value, str | bool):
-                continue
-            if not (math.isfinite(value) and value >= 0.0):
-                self._refuse(field.name, f"is {value}, must be a number >= 0")
+            if field.name == "name":
+                is_a("material name", value, str, "Give a text.")
+            elif field.name in FLAGS:
+                true_or_false(f"{self.name}.{field.name}", value)
+            elif not_a_number(value) or value < 0.0:
+                self._refuse(field.name, f"is {value!r}, must be a number >= 0")
         for key in ("density", "bulk_modulus", "pressure_cutoff", "fracture_energy"):
             if not getattr(self, key) > 0.0:
                 self._refuse(key, "is 0, must be > 0")
@@ -208,8 +222,7 @@ def slowed(table: FloatArray, sound_speed: float) -> FloatArray:
     resists and recoils stays true; the others (bone) lose bulk and shear modulus alike. Networks,
     yield stresses and strengths stay.
     """
-    if not sound_speed > 0.0:
-        raise ScenarioError("sound_speed", f"is {sound_speed}, must be > 0", "Try 150 m/s.")
+    positive("sound_speed", sound_speed)
     new = table.copy()
     density, bulk, shear, network = (
         table[:, COLUMNS.index(name)]
@@ -239,6 +252,8 @@ def elastic(density: float, youngs_modulus: float, poisson_ratio: float) -> Mate
 
 def neo_hookean(density: float, shear_modulus: float, bulk_modulus: float) -> Material:
     """Tau = mu J^(-2/3) dev(b) + (K/2)(J² - 1) I (PHYSICS 1.4), of any strength."""
+    positive("shear_modulus", shear_modulus)
+    positive("bulk_modulus", bulk_modulus)
     return Material(
         name="neo-Hookean",
         density=density,
@@ -281,6 +296,8 @@ def drucker_prager(
     Tension ends at the tip of that cone, yield_stress / friction, where the material opens.
     """
     bulk, shear = _moduli(youngs_modulus, poisson_ratio)
+    not_negative("yield_stress", yield_stress)
+    not_negative("friction", friction)
     return Material(
         name="Drucker-Prager",
         density=density,
@@ -299,15 +316,14 @@ def liquid(density: float, bulk_modulus: float, cavitation_pressure: float = 0.0
         density=density,
         bulk_modulus=bulk_modulus,
         tait_exponent=7.0,
-        pressure_cutoff=cavitation_pressure or UNLIMITED,
+        pressure_cutoff=not_negative("cavitation_pressure", cavitation_pressure) or UNLIMITED,
     )
 
 
 def _moduli(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
     """Bulk and shear modulus [Pa]."""
-    if not youngs_modulus > 0.0:
-        raise ScenarioError("youngs_modulus", f"is {youngs_modulus}, must be > 0", "Give pascals.")
-    if not -1.0 < poisson_ratio < 0.5:
+    positive("youngs_modulus", youngs_modulus)
+    if not -1.0 < finite("poisson_ratio", poisson_ratio) < 0.5:
         raise ScenarioError(
             "poisson_ratio",
             f"is {poisson_ratio}, must be > -1 and < 0.5",

@@ -15,11 +15,15 @@ from vulnus.core.errors import InputFileError
 from vulnus.core.handoff import TriangleSurface
 from vulnus.core.units import MILLIMETRE
 
-from .shapes import SampledShape, require_positive
+from .checked_values import is_a, length, positive
+from .shapes import SampledShape
 from .signed_distance import SignedDistance, sampling_grid
 
 if TYPE_CHECKING:
     import pyvista as pv
+
+STL_START = 4096
+"""Bytes of an STL file that show its format [chosen: past any first line of text]."""
 
 BAND = 2.0
 """Width [sampling points] of the band beside the surface where the exact distance is asked for;
@@ -40,6 +44,9 @@ class MeshShape(SampledShape):
 
     def __post_init__(self) -> None:
         """Refuse meshes that do not bound a solid."""
+        is_a("mesh", self.surface, TriangleSurface, "Give a TriangleSurface or from_stl(path).")
+        if self.thinnest is not None:
+            length("mesh thinnest", self.thinnest)
         _check_closed(self.surface, self.source)
 
     @classmethod
@@ -47,10 +54,12 @@ class MeshShape(SampledShape):
         cls, path: str | Path, *, scale: float = MILLIMETRE, thinnest: float | None = None
     ) -> MeshShape:
         """Read an STL file whose unit is `scale` [m], by default millimetres."""
-        require_positive("mesh scale", scale)
+        positive("mesh scale", scale)
+        is_a("STL file", path, (str, Path), "Give its path.")
         source = str(path)
         if not Path(path).is_file():
             raise InputFileError(source, "does not exist", "Check the path of the STL file.")
+        _refuse_other_format(Path(path))
         import pyvista as pv
 
         try:
@@ -100,6 +109,23 @@ class MeshShape(SampledShape):
         return grid
 
 
+def _refuse_other_format(path: Path) -> None:
+    """Refuse what is no STL file, before a library complains at length."""
+    try:
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            start = file.read(STL_START)
+    except OSError as error:
+        raise InputFileError(str(path), f"cannot be read ({error})", "Check its rights.") from error
+    count = int.from_bytes(start[80:84], "little") if len(start) >= 84 else 0
+    binary = count > 0 and size >= 84 + 50 * count
+    text = start.lstrip()[:5].lower() == b"solid" and b"facet" in start.lower()
+    if not (binary or text):
+        raise InputFileError(
+            str(path), "is no STL file, is cut off, or holds no triangles", "Export it as STL."
+        )
+
+
 def _check_closed(surface: TriangleSurface, source: str) -> None:
     triangles = np.asarray(surface.triangles, np.int64)
     if len(triangles) == 0:
@@ -108,6 +134,8 @@ def _check_closed(surface: TriangleSurface, source: str) -> None:
     if not np.all(np.isfinite(vertices)):
         raise InputFileError(source, "holds a vertex that is not finite", "Export it anew.")
     count = len(vertices)
+    if triangles.min() < 0 or triangles.max() >= count:
+        raise InputFileError(source, "has a triangle without its vertex", "Export it anew.")
     edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     forward, times = np.unique(edges[:, 0] * count + edges[:, 1], return_counts=True)
     backward = np.unique(edges[:, 1] * count + edges[:, 0])

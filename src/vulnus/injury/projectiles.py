@@ -18,12 +18,16 @@ from vulnus.core.errors import ScenarioError
 from vulnus.core.units import GRAM, MILLIMETRE
 
 from .attitude import UP, attitude
-from .checked_values import one_of, unit_vector
+from .checked_values import finite, not_negative, one_of, positive, vector
 from .drawn_shapes import BladeShape, Cylinder, Ogive
 from .parameters import ProjectileShape
 from .rigid_body import BodyPath, Motion, RigidBody
+from .rotations import Axis, axis_vector
 from .shapes import Shape, Sphere
 
+SHAPES = ("sphere", "cylinder", "ogive", "blade")
+"""Shapes of the table."""
+SIZES = ("diameter", "length", "nose_length", "width", "thickness", "tip_length", "depth", "twist")
 FRICTION = 0.1  # chosen: a wet, smooth metal surface
 
 
@@ -50,6 +54,20 @@ class Projectile:
     depth: float = 0.0
     twist: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Refuse a shape that the table does not draw, and sizes that are none."""
+        if self.shape == "stl":
+            raise ScenarioError(
+                f"{self.name}: shape",
+                "is 'stl', which the table does not draw",
+                "Use add_rigid_body(RigidBody(shape=MeshShape.from_stl(path), ...)).",
+            )
+        one_of(f"{self.name}: shape", self.shape, SHAPES)
+        for key in ("mass", "speed"):
+            positive(f"{self.name}: {key}", getattr(self, key))
+        for key in SIZES:
+            not_negative(f"{self.name}: {key}", getattr(self, key))
+
     @property
     def spin(self) -> float:
         """Angular velocity [rad/s] about the long axis at the muzzle, at the usual speed."""
@@ -69,7 +87,7 @@ class Projectile:
     def body(
         self,
         position: Vector3,
-        direction: Vector3,
+        direction: Axis,
         *,
         speed: float | None = None,
         yaw: float = 0.0,
@@ -87,13 +105,14 @@ class Projectile:
         (`projectile(name).spin` is that of a rifled barrel). A blade cuts.
         """
         rotation = attitude(direction, yaw=yaw, pitch=pitch, roll=roll, up=up)
-        way = np.array(unit_vector("direction", direction))
+        way = axis_vector("direction", direction)
+        pace = finite(f"{self.name} speed", self.speed if speed is None else speed)
         return RigidBody(
             shape=self.solid(),
             centre=position,
-            velocity=_triple(way * (self.speed if speed is None else speed)),
+            velocity=_triple(way * pace),
             rotation=rotation,
-            angular_velocity=_triple(spin * rotation[:, 0]),
+            angular_velocity=_triple(finite("spin", spin) * rotation[:, 0]),
             motion=motion,
             mass=self.mass,
             friction=friction,
@@ -104,7 +123,7 @@ class Projectile:
     def stab(
         self,
         entry: Vector3,
-        direction: Vector3,
+        direction: Axis,
         *,
         depth: float | None = None,
         speed: float | None = None,
@@ -119,17 +138,12 @@ class Projectile:
         """
         if self.shape != "blade":
             raise ScenarioError(self.name, "is no blade", "Use body(), or a knife.")
-        thrust = (self.depth if depth is None else depth) + gap
-        pace = self.speed if speed is None else speed
-        if not (math.isfinite(thrust) and thrust > 0.0 and math.isfinite(pace) and pace > 0.0):
-            raise ScenarioError(
-                f"{self.name} stab",
-                f"depth {thrust:g} m and speed {pace:g} m/s must be > 0",
-                "Give a depth and a speed.",
-            )
+        deep = positive(f"{self.name} depth", self.depth if depth is None else depth)
+        pace = positive(f"{self.name} speed", self.speed if speed is None else speed)
+        thrust = deep + not_negative(f"{self.name} gap", gap)
         shape = self.solid()
-        way = np.array(unit_vector("direction", direction))
-        outside = np.asarray(entry) - (gap + shape.upper[0]) * way
+        way = axis_vector("direction", direction)
+        outside = np.asarray(vector("entry", entry)) - (gap + shape.upper[0]) * way
         path = BodyPath(
             times=np.array([0.0, 1.0, 2.0]) * thrust / pace,
             positions=outside + np.outer([0.0, thrust, 0.0], way),

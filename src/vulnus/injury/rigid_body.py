@@ -16,8 +16,19 @@ from vulnus.core.arrays import FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
 from . import _native
-from .checked_values import unit_vector
-from .shapes import Shape, Sphere
+from .checked_values import (
+    ADVICE_SI,
+    is_a,
+    not_a_number,
+    not_negative,
+    numbers,
+    shown,
+    true_or_false,
+    unit_vector,
+    vector,
+)
+from .rotations import rotation_matrix
+from .shapes import SampledShape, Shape, Sphere
 
 Motion = Literal["kinematic", "dynamic"]
 
@@ -32,6 +43,12 @@ could pass between the nodes."""
 
 SMALLEST_BLADE = 0.5
 """Least acting half thickness [cells] of a cutting body; chosen: one layer of nodes."""
+
+SHAPE_KEYS = ("volume", "unit_inertia", "lower", "upper", "inner_radius", "distance")
+"""What a shape of one's own must have, see `Shape`."""
+
+FASTEST = 2e4
+"""Greatest speed [m/s] of a body [chosen: twice the fastest projectiles of any gun]."""
 
 STATE_ROWS = {
     "position": slice(0, 3),
@@ -60,7 +77,7 @@ class BodyPath:
 
     def __post_init__(self) -> None:
         """Refuse times that do not grow and places that do not match them."""
-        times, positions = np.asarray(self.times), np.asarray(self.positions)
+        times, positions = numbers(self.times), numbers(self.positions)
         if times.ndim != 1 or len(times) < 2 or not np.all(np.diff(times) > 0.0):
             raise ScenarioError(
                 "path times", "must be at least two growing numbers", "Sort and thin them."
@@ -73,6 +90,11 @@ class BodyPath:
             )
         if not (np.all(np.isfinite(times)) and np.all(np.isfinite(positions))):
             raise ScenarioError("path", "holds a value that is not finite", "Check the path.")
+        with np.errstate(over="ignore"):
+            pace = np.linalg.norm(np.diff(positions, axis=0), axis=1) / np.diff(times)
+        not_too_fast("path", float(np.max(pace)))
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "positions", positions)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,32 +121,58 @@ class RigidBody:
     name: str = "projectile"
 
     def __post_init__(self) -> None:
-        """Refuse what cannot move as told."""
+        """Refuse what cannot move as told; numbers are kept as floats."""
         if self.motion not in ("kinematic", "dynamic"):
             raise ScenarioError(
                 f"{self.name} motion", f"is {self.motion!r}", 'Use "kinematic" or "dynamic".'
             )
+        self._check_kinds()
         if self.centre is None and self.path is None:
             raise ScenarioError(
                 f"{self.name} centre", "is missing", "Give its centre or a path to follow."
             )
-        values = (*self.place, *self.velocity, *self.angular_velocity, self.friction)
-        if not np.all(np.isfinite(values)):
-            raise ScenarioError(self.name, "holds a value that is not finite", "Check the body.")
-        if self.friction < 0.0:
-            raise ScenarioError(
-                f"{self.name} friction", f"is {self.friction:g}, must be >= 0", "Use 0 to 1."
-            )
+        for key in ("centre", "velocity", "angular_velocity"):
+            if getattr(self, key) is not None:
+                object.__setattr__(self, key, vector(f"{self.name} {key}", getattr(self, key)))
+        not_too_fast(self.name, math.hypot(*self.velocity))
+        friction = not_negative(f"{self.name} friction", self.friction)
+        object.__setattr__(self, "friction", friction)
+        if self.rotation is not None:
+            object.__setattr__(self, "rotation", self._checked_rotation())
         self._check_motion()
         self._check_rail()
-        self._check_rotation()
+
+    def _check_kinds(self) -> None:
+        """Refuse pieces that are something else."""
+        known = isinstance(self.shape, Sphere | SampledShape)
+        if not known and not all(hasattr(type(self.shape), key) for key in SHAPE_KEYS):
+            raise ScenarioError(
+                f"{self.name} shape",
+                f"is {shown(self.shape)}",
+                "Give a Sphere, Cylinder, Ogive, Box, BladeShape or MeshShape.",
+            )
+        if self.path is not None:
+            is_a(f"{self.name} path", self.path, BodyPath, "Give a BodyPath(times, positions).")
+        true_or_false(f"{self.name} cutting", self.cutting)
+
+    def _checked_rotation(self) -> FloatArray:
+        try:
+            return rotation_matrix(self.rotation)
+        except ScenarioError as error:
+            raise ScenarioError(f"{self.name} rotation", error.problem, error.advice) from None
 
     def _check_motion(self) -> None:
+        mass = 0.0 if self.mass is None and self.motion == "dynamic" else self.mass
+        if mass is not None and (not_a_number(mass) or not mass > 0.0):
+            told = f"is {shown(self.mass)}, must be > 0 kg"
+            raise ScenarioError(f"{self.name} mass", told, "Give its mass.")
+        if self.path is not None and any(self.velocity):
+            raise ScenarioError(
+                f"{self.name} velocity",
+                "goes with a path",
+                "Leave it out.",
+            )
         if self.motion == "dynamic":
-            if self.mass is None or not (math.isfinite(self.mass) and self.mass > 0.0):
-                raise ScenarioError(
-                    f"{self.name} mass", f"is {self.mass}, must be > 0 kg", "Give its mass."
-                )
             if self.path is not None:
                 raise ScenarioError(
                     f"{self.name} path", "goes with a dynamic body", "Use a kinematic one."
@@ -151,17 +199,6 @@ class RigidBody:
             raise ScenarioError(f"{self.name} rail", "is not along its velocity", "Turn one.")
         if np.any(self.angular_velocity):
             raise ScenarioError(f"{self.name} rail", "goes with a spin", "Leave one of them out.")
-
-    def _check_rotation(self) -> None:
-        turn = self.turn
-        if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-6):
-            raise ScenarioError(
-                f"{self.name} rotation",
-                "is not a rotation matrix",
-                "Use attitude().",
-            )
-        if np.linalg.det(turn) < 0.0:
-            raise ScenarioError(f"{self.name} rotation", "is a reflection", "Flip one axis.")
 
     @property
     def place(self) -> Vector3:
@@ -227,6 +264,14 @@ class BodyState:
             angular_impulse=part["angular_impulse"],
             normal_impulse=float(part["normal_impulse"][0]),
             work=float(part["work"][0]),
+        )
+
+
+def not_too_fast(name: str, speed: float) -> None:
+    """Refuse a speed [m/s] that no projectile has."""
+    if not speed <= FASTEST:
+        raise ScenarioError(
+            f"{name} speed", f"is {speed:g} m/s, must be at most {FASTEST:g}", ADVICE_SI
         )
 
 

@@ -9,13 +9,20 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from .checked_values import finite, one_of, unit_vector
+from .checked_values import finite, numbers, one_of, unit_vector
 
-Axis = Literal["x", "y", "z"] | Vector3
-"""The name of a coordinate axis, or any vector along the wanted one."""
+Axis = Literal["x", "y", "z", "-x", "-y", "-z"] | Vector3
+"""The name of a coordinate axis, with "-" against it, or any vector along the wanted one."""
 
-UNIT_AXES: dict[str, Vector3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-ORTHONORMAL_WITHIN = 1e-9  # [chosen: far above round-off, far below an angle that matters]
+UNIT_AXES: dict[str, Vector3] = {
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+    "-z": (0.0, 0.0, -1.0),
+}
+ORTHONORMAL_WITHIN = 1e-6  # [chosen: above the round-off of float32, below what matters]
 
 
 def axis_vector(name: str, axis: Axis) -> FloatArray:
@@ -47,11 +54,7 @@ def rotation_about(axis: Axis, angle: float) -> FloatArray:
 
 def rotation_matrix(rotation: AnyArray | Any) -> FloatArray:
     """A matrix (3, 3) or a `scipy.spatial.transform.Rotation` as a checked rotation matrix."""
-    given = rotation.as_matrix() if hasattr(rotation, "as_matrix") else rotation
-    try:
-        matrix = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        matrix = np.zeros(0)
+    matrix = numbers(rotation.as_matrix() if hasattr(rotation, "as_matrix") else rotation)
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
         raise ScenarioError(
             "rotation", f"has the shape {matrix.shape}, must be (3, 3)", "Use rotation_about."

@@ -17,10 +17,11 @@ from vulnus.core.arrays import AnyArray, FloatArray, IndexArray, Vector3
 from vulnus.core.errors import ScenarioError
 
 from .cavity import cavity_volume
-from .checked_values import one_of, positive, vector
+from .checked_values import is_a, one_of, positive, true_or_false, vector
 from .particle_reading import QUANTITIES, ParticleReading
 from .rotations import Axis, axis_vector
 from .solids import Ball, Solid
+from .symmetry import Plane, mirrored_at_all
 
 DEFAULT_QUANTITIES = ("displacement", "velocity", "stress", "pressure")
 
@@ -59,7 +60,9 @@ class RegionSensor(Sensor):
     fixed: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse names of quantities that there are not."""
+        """Refuse a region that is none, and names of quantities that there are not."""
+        is_a("sensor solid", self.solid, Solid, "Give a Block, Ball, Rod or other Solid.")
+        true_or_false("sensor fixed", self.fixed)
         _check_quantities(self.quantities)
 
     def attach(self, reading: ParticleReading, grid_spacing: float) -> AttachedSensor:  # noqa: ARG002
@@ -91,6 +94,7 @@ class PointSensor(Sensor):
         vector("sensor position", self.position)
         if self.radius is not None:
             positive("sensor radius", self.radius)
+        true_or_false("sensor fixed", self.fixed)
         _check_quantities(self.quantities)
 
     def attach(self, reading: ParticleReading, grid_spacing: float) -> AttachedSensor:
@@ -139,19 +143,31 @@ class SectionSensor(Sensor):
 class CavitySensor(Sensor):
     """The volume [m³] that all tissue encloses and does not fill, as the quantity `volume`.
 
-    See `Fields.cavity_volume`. A sample takes some seconds a million particles.
+    See `Fields.cavity_volume`. `symmetry` holds planes, each a point [m] on it and its normal, at
+    which the tissue is mirrored first: a half or quarter model has the whole's cavity. A sample
+    takes some seconds a million particles.
     """
 
+    symmetry: tuple[Plane, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse planes that are none."""
+        mirrored_at_all(np.zeros((0, 3)), self.symmetry)
+
     def attach(self, reading: ParticleReading, grid_spacing: float) -> AttachedSensor:  # noqa: ARG002
-        """The sensor itself: it looks at all particles."""
-        return _AttachedCavity()
+        """The sensor looks at all particles."""
+        return _AttachedCavity(self.symmetry)
 
 
 class _AttachedCavity(AttachedSensor):
+    def __init__(self, symmetry: tuple[Plane, ...]) -> None:
+        self._symmetry = symmetry
+
     def read(self, reading: ParticleReading) -> Mapping[str, AnyArray]:
+        position = mirrored_at_all(np.asarray(reading["position"]), self._symmetry)
+        volume = np.tile(reading.volume, 2 ** len(self._symmetry))
         spacing = float(np.cbrt(reading.volume.mean()))
-        volume = cavity_volume(reading["position"], spacing, volume=reading.volume)
-        return {"volume": np.array(volume)}
+        return {"volume": np.array(cavity_volume(position, spacing, volume=volume))}
 
 
 class _AttachedRegion(AttachedSensor):
@@ -206,5 +222,9 @@ def _check_quantities(quantities: tuple[str, ...]) -> None:
         raise ScenarioError(
             "quantities", f"is the text {quantities!r}", f'Give a tuple: ("{quantities}",).'
         )
+    is_a("quantities", quantities, (tuple, list), 'Give a tuple of names: ("pressure",).')
+    if not quantities:
+        known = ", ".join(QUANTITIES)
+        raise ScenarioError("quantities", "are none", f"Give at least one of {known}.")
     for quantity in quantities:
         one_of("quantities", quantity, QUANTITIES)

@@ -16,6 +16,7 @@ import numpy as np
 from vulnus.core.arrays import FloatArray
 from vulnus.core.errors import ScenarioError
 
+from .checked_values import length, not_negative
 from .signed_distance import SignedDistance, SolidProperties, solid_properties
 
 
@@ -56,8 +57,9 @@ class Sphere:
     distance: None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
-        """Refuse a radius that is not positive."""
-        require_positive("sphere radius", self.radius)
+        """Refuse a radius that is not positive, and one that shrinks."""
+        require_length("sphere radius", self.radius)
+        not_negative("sphere expansion_speed", self.expansion_speed)
 
     @property
     def volume(self) -> float:
@@ -99,7 +101,15 @@ class SampledShape(ABC):
     @cached_property
     def _sampled(self) -> tuple[SignedDistance, SolidProperties]:
         drawn = self.drawn()
-        return drawn, solid_properties(drawn)
+        found = solid_properties(drawn)
+        if not (np.isfinite(found.inertia).all() and np.linalg.det(found.inertia) > 0.0):
+            lower, upper = self.drawn_box()
+            raise ScenarioError(
+                type(self).__name__,
+                f"of the edges {(upper - lower).tolist()} m is too slender to be sampled",
+                "Make it thicker or shorter.",
+            )
+        return drawn, found
 
     @property
     def centre_of_mass(self) -> FloatArray:
@@ -137,8 +147,7 @@ class SampledShape(ABC):
         return self._sampled[0].moved(self.centre_of_mass)
 
 
-def require_positive(name: str, *values: float) -> None:
-    """Refuse sizes that are not positive and finite."""
+def require_length(name: str, *values: float) -> None:
+    """Refuse sizes [m] that are not positive and finite, or of no use as a length."""
     for value in values:
-        if not (math.isfinite(value) and value > 0.0):
-            raise ScenarioError(name, f"is {value:g} m, must be > 0", "Give a positive length.")
+        length(name, value)

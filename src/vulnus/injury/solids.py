@@ -19,13 +19,15 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from .checked_values import positive, vector
+from .checked_values import length, positive, refuse_too_many, vector, whole_number
+from .checked_values import points as checked_points
 from .rotations import Axis, axis_frame, rotation_matrix
 
 if TYPE_CHECKING:
     from .combined_solids import Difference, Intersection, Union
 
 POINTS_PER_PASS = 500_000  # [chosen: a pass takes a few tens of milliseconds and 50 MB]
+LARGEST_SEED = 2**31 - 1
 QUADRATURE_CELLS = 100  # cells along the longest edge where a volume is measured [chosen]
 
 
@@ -82,8 +84,8 @@ class Solid(ABC):
 
         Exact for the simple solids; for combined ones exact beside the faces, else a bound.
         """
-        local = (np.asarray(points, np.float64) - np.asarray(self.centre)) @ self.frame
-        return self._local_distance(local)
+        world = checked_points("points", points)
+        return self._local_distance((world - np.asarray(self.centre)) @ self.frame)
 
     def contains(self, points: AnyArray) -> BoolArray:
         """Whether each of the world points (n, 3) [m] is inside, (n,)."""
@@ -129,7 +131,9 @@ class Solid(ABC):
         faces of the solid's own box.
         """
         lower, upper = self._box()
-        counts = np.maximum(1, np.rint((upper - lower) / spacing)).astype(int)
+        step = length("spacing", spacing)
+        counts = np.maximum(1, np.rint((upper - lower) / step)).astype(int)
+        refuse_too_many("solid", float(np.prod((upper - lower) / step)))
         layers = _layers(lower, (upper - lower) / counts, counts)
         kept = [local[self._local_distance(local) < 0.0] for local in layers]
         return self._filled(np.concatenate(kept))
@@ -139,11 +143,12 @@ class Solid(ABC):
         from vulnus.geometry.poisson_disk import EXPECTED_DENSITY, sample_poisson_disk
 
         lower, upper = self._box()
+        refuse_too_many("solid", float(np.prod(upper - lower)) * positive("density", density))
         spacing = float((EXPECTED_DENSITY / density) ** (1.0 / 3.0))
         local = sample_poisson_disk(
             self._local_distance,
             spacing=spacing,
-            seed=seed,
+            seed=whole_number("seed", seed, LARGEST_SEED),
             bounds=(triple(lower - spacing), triple(upper + spacing)),
         ).astype(np.float64)
         return self._filled(local[self._local_distance(local) < 0.0])
@@ -199,7 +204,7 @@ class Block(Solid):
         """Refuse edges that are not positive."""
         Solid.__post_init__(self)
         for name, edge in zip("xyz", vector("size", self.size), strict=True):
-            positive(f"size along {name}", edge)
+            length(f"size along {name}", edge)
 
     def _local_distance(self, local: FloatArray) -> FloatArray:
         beyond = np.abs(local) - 0.5 * np.asarray(self.size)
@@ -224,7 +229,7 @@ class Ball(Solid):
     def __post_init__(self) -> None:
         """Refuse a radius that is not positive."""
         Solid.__post_init__(self)
-        positive("radius", self.radius)
+        length("radius", self.radius)
 
     def _local_distance(self, local: FloatArray) -> FloatArray:
         distance: FloatArray = np.linalg.norm(local, axis=1) - self.radius
@@ -275,7 +280,7 @@ class _Round(Solid):
 
     def __post_init__(self) -> None:
         Solid.__post_init__(self)
-        positive("length", self.length)
+        length("length", self.length)
         axis_frame(self.axis)
 
     @property
@@ -300,7 +305,7 @@ class Rod(_Round):
     def __post_init__(self) -> None:
         """Refuse a radius or a length that is not positive."""
         _Round.__post_init__(self)
-        positive("radius", self.radius)
+        length("radius", self.radius)
 
     def _local_distance(self, local: FloatArray) -> FloatArray:
         around = np.hypot(local[:, 0], local[:, 1]) - self.radius
@@ -367,8 +372,8 @@ def _layers(lower: FloatArray, steps: FloatArray, counts: AnyArray) -> Iterator[
 
 
 def _check_radii(inner: float, outer: float) -> None:
-    positive("inner_radius", inner)
-    positive("outer_radius", outer)
+    length("inner_radius", inner)
+    length("outer_radius", outer)
     if not outer > inner:
         raise ScenarioError(
             "outer_radius", f"is {outer:g} m, must be > inner_radius {inner:g} m", "Swap them?"
