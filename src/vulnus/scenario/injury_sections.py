@@ -32,7 +32,8 @@ class InjurySection(Section):
         InjuryParameters,
         "duration",
         "ms",
-        'from first contact to the end; "auto": 1 in the mode paper, 15 in the mode full',
+        'from first contact to the end; "auto": 1 in the mode paper; in the mode full until the '
+        "cavity has collapsed, from 10 to 20; and until a blade is out again",
         gt=0,
         le=200,
     )
@@ -40,7 +41,8 @@ class InjurySection(Section):
         InjuryParameters,
         "phase_one",
         "ms",
-        "least time with the true moduli, which stay while the projectile is in the limb",
+        "least time with the true moduli, which stay while a projectile flies or is thrust in the "
+        "limb",
         gt=0,
         le=200,
     )
@@ -153,6 +155,42 @@ class InjurySection(Section):
                 "give [injury.projectile] and [injury.aim], or [[injury.projectiles]], not both"
             )
         return self
+
+    @model_validator(mode="after")
+    def _holds_together(self) -> InjurySection:
+        if self.laceration_threshold > self.damage_threshold:
+            raise ValueError(
+                f"laceration_threshold is {self.laceration_threshold:g}, must not exceed "
+                f"damage_threshold, {self.damage_threshold:g}, from which an artery is transected"
+            )
+        if self.mode == "paper":
+            self._fits_the_paper()
+        ends = max(self.held_length_mm, self.absorbing_length_mm)
+        if 0.0 < self.window_length_mm <= 2.0 * ends:
+            raise ValueError(
+                f"window_length_mm is {self.window_length_mm:g} mm, must exceed what both ends "
+                f"take, {ends:g} mm each"
+            )
+        needed = max(shot.thrust_ms for shot in self.shots)
+        if self.duration_ms is not None and self.duration_ms < needed:
+            raise ValueError(
+                f"duration_ms is {self.duration_ms:g} ms, but the blade needs {needed:.4g} ms in "
+                "and out: leave it out, or give more"
+            )
+        return self
+
+    def _fits_the_paper(self) -> None:
+        """Refuse what the mode "paper" has not."""
+        if self.bleeds_from != "permanent":
+            raise ValueError(
+                'bleeds_from = "temporary" has no meaning in the mode "paper", whose wound is its '
+                'last instant: leave it out, or give mode = "full"'
+            )
+        if any(shot.motion == "dynamic" for shot in self.shots):
+            raise ValueError(
+                'motion = "dynamic" has no meaning in the mode "paper", whose projectile keeps '
+                'its velocity: leave it out, or give mode = "full"'
+            )
 
     @property
     def shots(self) -> list[ProjectileSection]:

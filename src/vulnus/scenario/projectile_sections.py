@@ -43,7 +43,7 @@ class ProjectileSection(Section):
     name: str | None = choice(
         None,
         "a projectile of the table that `vulnus projectiles` prints, for example 9x19_fmj: its "
-        'values stand wherever a key says "auto"',
+        'values stand wherever a key says "auto", and nothing of a preset\'s projectile is kept',
         min_length=1,
     )
     shape: ProjectileShape | None = choice(
@@ -146,6 +146,9 @@ class ProjectileSection(Section):
     @model_validator(mode="after")
     def _fits_its_shape(self) -> ProjectileSection:
         values, shape = self._values(), self._shape()
+        of_name = row_of_table(self.name).shape if self.name else shape
+        if shape not in (of_name, "stl"):
+            raise ValueError(f"{self.name} is a {of_name}, not a {shape}: leave out name or shape")
         for key in _ALL_SIZES:
             if key not in _SIZES[shape] and getattr(self, key) is not None:
                 uses = ", ".join(_SIZES[shape])
@@ -153,14 +156,34 @@ class ProjectileSection(Section):
         for key in _SIZES[shape]:
             if values.get(key) is None:
                 raise ValueError(f"a {shape} needs {key}")
-        if self.motion == "dynamic" and shape == "blade":
-            raise ValueError('a blade is guided by a hand: motion = "kinematic"')
         if self.motion == "dynamic" and values.get("mass_g") is None:
             raise ValueError("a dynamic projectile needs mass_g or a name of the table")
         for part, whole in (("nose_length_mm", "length_mm"), ("tip_length_mm", "length_mm")):
             if part in _SIZES[shape] and values[part] > values[whole]:
                 raise ValueError(f"{part} must not exceed {whole}")
+        if shape == "blade":
+            self._fits_a_hand(values)
         return self
+
+    def _fits_a_hand(self, values: dict[str, Any]) -> None:
+        """Refuse a blade that no hand could thrust so."""
+        if self.motion == "dynamic":
+            raise ValueError('a blade is guided by a hand: motion = "kinematic"')
+        if self.spin_rev_per_s:
+            raise ValueError("spin_rev_per_s has no meaning for a blade, which does not turn")
+        for part, whole in (("thickness_mm", "width_mm"), ("depth_mm", "length_mm")):
+            if values[part] > values[whole]:
+                raise ValueError(
+                    f"{part} is {values[part]:g} mm, must not exceed {whole}, {values[whole]:g} mm"
+                )
+
+    @property
+    def thrust_ms(self) -> float:
+        """Time [ms] that a blade needs at least to its depth and back, 0 for what flies."""
+        if self._shape() != "blade":
+            return 0.0
+        values = self._values()
+        return float(2.0 * values["depth_mm"] / values["speed_m_per_s"])
 
     def _shape(self) -> ProjectileShape:
         if self.shape is not None:
@@ -316,6 +339,8 @@ class AimSection(Section):
     def _one_point(self) -> AimSection:
         if self.artery is not None and self.target_mm is not None:
             raise ValueError("give artery or target_mm, not both: each fixes the line of flight")
+        if self.start_mm is not None and self.direction is not None:
+            raise ValueError("give start_mm or direction, not both: each fixes the line of flight")
         return self
 
     def parameters(self) -> AimParameters:

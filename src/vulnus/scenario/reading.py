@@ -26,6 +26,10 @@ _ALTERNATIVES = (
 )
 """Keys of a scenario, and which of its preset's they replace: one way to say it for another."""
 
+_ANOTHER_PROJECTILE = ("name", "shape", "stl")
+"""Keys of [injury.projectile] that begin a new one: nothing of the preset's table is kept, lest a
+knife inherit a bullet's calibre and speed."""
+
 
 def read_config(source: str | Path) -> ScenarioConfig:
     """The tables of the scenario file or preset `source`, complete with every default.
@@ -50,7 +54,10 @@ def parse_config(text: str, *, file: str, folder: Path | None) -> ScenarioConfig
             raise ScenarioError(
                 f"{file}: preset = {base!r}", "there is no such preset", _nearest_preset(str(base))
             )
-        tables = _over(_parse(known[base], f"preset {base}"), tables)
+        below = _parse(known[base], f"preset {base}")
+        if _tells_what_flies(tables):
+            below.get("injury", {}).pop("projectile", None)
+        tables = _over(below, tables)
     if folder is not None:
         _resolve_paths(tables, folder)
     try:
@@ -105,6 +112,13 @@ def _parse(text: str, file: str) -> dict[str, Any]:
             f"it cannot be read as TOML ({trouble})",
             "A number or a nesting in it is absurdly long; remove it",
         ) from None
+
+
+def _tells_what_flies(tables: dict[str, Any]) -> bool:
+    """Whether the file describes a projectile of its own, of which its preset's says nothing."""
+    injury = tables.get("injury")
+    projectile = injury.get("projectile") if isinstance(injury, dict) else None
+    return isinstance(projectile, dict) and any(key in projectile for key in _ANOTHER_PROJECTILE)
 
 
 def _over(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 
 from vulnus.anatomy.parameters import AnatomyParameters
 from vulnus.circulation.parameters import CirculationParameters
-from vulnus.core.errors import InputFileError
+from vulnus.core.errors import InputFileError, ScenarioError
 from vulnus.coupling.parameters import CouplingParameters
 from vulnus.hemorrhage.parameters import HemorrhageParameters
 from vulnus.imaging.parameters import ImagingParameters
@@ -128,7 +128,18 @@ def _text(config: ScenarioConfig) -> str:
     )
 
 
+def _refuse_fine_cells(config: ScenarioConfig) -> None:
+    cell, points = config.injury.grid_spacing_mm, config.anatomy.particle_spacing_mm
+    if cell < points:
+        raise ScenarioError(
+            "injury.grid_spacing_mm",
+            f"is {cell:g} mm, less than anatomy.particle_spacing_mm, {points:g} mm",
+            "Use about twice the particles' spacing, or the tissue falls apart between cells",
+        )
+
+
 def _in_si(config: ScenarioConfig) -> Scenario:
+    _refuse_fine_cells(config)
     run = config.run
     threads = run.threads or len(os.sched_getaffinity(0))
     imaging = config.imaging.parameters()

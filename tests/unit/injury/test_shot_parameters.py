@@ -39,6 +39,7 @@ def limb():
         ("courant_number", 1.5),
         ("bone_modulus_scale", 0.0),
         ("window_length", 0.01),
+        ("laceration_threshold", 0.95),
     ],
 )
 def test_impossible_values_are_refused_by_key(limb, key, value):

@@ -13,7 +13,12 @@ from hypothesis import strategies as st
 from vulnus.core.errors import InputFileError, ScenarioError
 from vulnus.injury import PROJECTILES
 from vulnus.injury.parameters import InjuryParameters
-from vulnus.scenario import load_scenario, scenario_from_text, scenario_text
+from vulnus.scenario import (
+    load_scenario,
+    preset_purposes,
+    scenario_from_text,
+    scenario_text,
+)
 from vulnus.scenario.projectile_sections import ProjectileSection
 from vulnus.scenario.toml_text import value_as_toml
 
@@ -41,10 +46,9 @@ def test_a_key_goes_before_the_table() -> None:
     assert made.projectile.diameter == 0.009
 
 
-def test_in_the_paper_mode_what_flies_keeps_its_velocity_unless_told() -> None:
+def test_in_the_paper_mode_what_flies_keeps_its_velocity() -> None:
     paper = '[injury]\nmode = "paper"\n[injury.projectile]\nname = "9x19_fmj"\n'
     assert injury(paper).projectile.motion == "kinematic"
-    assert injury(paper + 'motion = "dynamic"').projectile.motion == "dynamic"
     assert injury("[injury.projectile]\ndiameter_mm = 7").projectile.motion == "kinematic"
     assert injury("[injury.projectile]\nmass_g = 3").projectile.motion == "dynamic"
 
@@ -95,6 +99,10 @@ def test_an_stl_file_lies_beside_the_scenario_and_must_be_there(tmp_path: Path) 
         ('motion = "dynamic"', ("needs mass_g",)),
         ('name = "knife"\nmotion = "dynamic"', ("guided by a hand",)),
         ('name = "22lr"\nnose_length_mm = 50', ("nose_length_mm must not exceed length_mm",)),
+        ('name = "knife"\nshape = "sphere"', ("knife is a blade, not a sphere",)),
+        ('name = "knife"\ndepth_mm = 130', ("depth_mm is 130 mm, must not exceed length_mm",)),
+        ('name = "knife"\nthickness_mm = 20\nwidth_mm = 10', ("thickness_mm is 20 mm",)),
+        ('name = "knife"\nspin_rev_per_s = 2', ("does not turn",)),
         ("yaw_deg = 200", ("at most 180", "deg")),
         ("spin = 20", ("Did you mean injury.projectile.spin_rev_per_s",)),
         ('shape = "dart"', ("must be 'sphere'",)),
@@ -113,6 +121,59 @@ def test_a_complaint_about_one_of_several_names_it_and_its_line() -> None:
         injury(text)
     with pytest.raises(ScenarioError, match="not both"):
         injury(text.replace("-1", "1") + "[injury.projectile]\ndiameter_mm = 5\n")
+
+
+PRESETS = sorted(preset_purposes())
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("name", ["knife", "bb_4.5mm", "7.62x39"])
+def test_a_name_over_any_preset_brings_all_of_the_table_s_values(preset: str, name: str) -> None:
+    alone = injury(f'[injury.projectile]\nname = "{name}"').projectile
+    mode = 'mode = "full"\n'
+    over = f'preset = "{preset}"\n[injury]\n{mode}[injury.projectile]\nname = "{name}"\n'
+    assert injury(over).projectile == alone
+    assert injury(over.replace(mode, "")).duration is None  # or a knife would not be out again
+    mine = injury(over + "speed_m_per_s = 5.5\n").projectile
+    assert mine.speed == 5.5
+    assert mine.mass == alone.mass
+
+
+def test_a_shape_over_a_preset_drops_its_name_and_a_size_alone_keeps_it() -> None:
+    bullet = 'preset = "gunshot_9mm"\n[injury.projectile]\n'
+    ball = injury(bullet + 'shape = "sphere"\ndiameter_mm = 6.0\n').projectile
+    assert (ball.name, ball.mass, ball.yaw) == (None, None, 0.0)
+    wider = injury(bullet + "diameter_mm = 9.2\n").projectile
+    assert (wider.name, wider.diameter) == ("9x19_fmj", 0.0092)
+    assert wider.yaw == pytest.approx(math.radians(2.0))
+
+
+KNIFE = '[injury.projectile]\nname = "knife"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("[injury]\nlaceration_threshold = 0.95", "laceration_threshold is 0.95, must not exceed"),
+        ('[injury]\nmode = "paper"\nbleeds_from = "temporary"', 'bleeds_from = "temporary" has no'),
+        (
+            '[injury]\nmode = "paper"\n[injury.projectile]\nmass_g = 5\nmotion = "dynamic"',
+            'motion = "dynamic" has no meaning in the mode "paper"',
+        ),
+        (
+            '[injury]\nmode = "paper"\n[[injury.projectiles]]\nname = "22lr"\nmotion = "dynamic"',
+            'motion = "dynamic" has no meaning in the mode "paper"',
+        ),
+        ("[injury]\nwindow_length_mm = 40", "window_length_mm is 40 mm, must exceed"),
+        ("[injury]\nduration_ms = 15\n" + KNIFE, "the blade needs 17.14 ms in and out"),
+        ("[injury]\ngrid_spacing_mm = 2\n[anatomy]\nparticle_spacing_mm = 3", "less than anatomy"),
+        ("[injury.aim]\nstart_mm = [0, 0, 0]\ndirection = [0, 1, 0]", "start_mm or direction"),
+    ],
+)
+def test_what_contradicts_itself_is_refused(text: str, part: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        injury(text)
+    assert part in str(error.value), str(error.value)
 
 
 NUMBERS = st.one_of(
