@@ -7,8 +7,16 @@ from vulnus.core.progress import SilentProgress
 
 from .labels import load_labels
 from .parameters import BUILTIN_LEG, ImagingParameters, LegMeasurements
+from .raw_labels import read_labels
 
-__all__ = ["BUILTIN_LEG", "ImagingParameters", "LegMeasurements", "generate_leg", "load_labels"]
+__all__ = [
+    "BUILTIN_LEG",
+    "ImagingParameters",
+    "LegMeasurements",
+    "generate_leg",
+    "load_labels",
+    "read_labels",
+]
 
 
 def generate_leg(parameters: ImagingParameters | None = None) -> LabelVolume:

@@ -31,7 +31,7 @@ def read_label_file(parameters: ImagingParameters) -> LabelVolume:
     `artery_centrelines*.json` in the volume's folder is taken.
     """
     path = Path(parameters.source)
-    file = _read_voxels(path)
+    file = read_voxels(path)
     labels, grid = nearest_to_lps(_to_tissues(file, parameters.label_map), file)
     _check_tissues(path, labels)
     return LabelVolume(
@@ -45,7 +45,8 @@ def read_label_file(parameters: ImagingParameters) -> LabelVolume:
     )
 
 
-def _read_voxels(path: Path) -> VoxelFile:
+def read_voxels(path: Path) -> VoxelFile:
+    """The voxels of a NRRD or NIfTI file, by its extension; refuses any other."""
     require_file(path)
     name = path.name.lower()
     if name.endswith((".nrrd", ".nhdr")):

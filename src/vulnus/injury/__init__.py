@@ -18,9 +18,9 @@ from .combined_solids import (
 )
 from .drawn_shapes import BladeShape, Box, Cylinder, Ogive
 from .experiment import Experiment
+from .experiment_fields import Fields
 from .experiment_result import (
     ExperimentResult,
-    Fields,
     RigidBodyRecord,
     SensorRecord,
     TissueRecord,
@@ -33,7 +33,15 @@ from .material_model import (
     neo_hookean,
     von_mises,
 )
-from .material_point import MaterialPointHistory, material_point, tensile_test
+from .material_point import (
+    MaterialPointHistory,
+    material_point,
+    pure_shear,
+    simple_shear,
+    tensile_test,
+    uniaxial_strain,
+    volumetric_strain,
+)
 from .materials import MATERIALS, material
 from .mesh_shape import MeshShape
 from .parameters import AimParameters, InjuryParameters, ProjectileParameters
@@ -104,8 +112,12 @@ __all__ = [
     "neo_hookean",
     "projectile",
     "projectile_surfaces",
+    "pure_shear",
     "rotation_about",
     "shoot",
+    "simple_shear",
     "tensile_test",
+    "uniaxial_strain",
+    "volumetric_strain",
     "von_mises",
 ]

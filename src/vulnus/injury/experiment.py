@@ -21,9 +21,10 @@ from vulnus.core.progress import Progress, SilentProgress
 from vulnus.core.units import MILLISECOND
 
 from .checked_values import has_methods, may_be_called, one_of, positive
+from .experiment_fields import Fields, read_fields
 from .experiment_fingerprint import experiment_fingerprint
 from .experiment_record import Record
-from .experiment_result import ExperimentResult, Fields, read_fields
+from .experiment_result import ExperimentResult
 from .experiment_resume import RunHistory
 from .experiment_setup import ExperimentSetup
 from .experiment_start import GridSettings, StartedExperiment, start, threads_of_environment

@@ -41,6 +41,8 @@ def experiment_fingerprint(
             f"{filling.name}: {key}": _array_text(getattr(filling, key))
             for key in ("position", "volume", "velocity")
         }
+        if filling.state is not None:
+            texts[f"{filling.name}: state"] = _array_text(filling.state)
         material = store.materials[filling.material_row]
         texts |= _described(f"{filling.name}: material", material)
     texts["names of the rigid bodies"] = repr([body.name for body in bodies])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +13,9 @@ from vulnus.core.errors import ScenarioError
 
 from .checked_values import one_of, points
 from .experiment_checks import free_name
+from .initial_state import Given, initial_state, volume_ratio
 from .material_model import CAPACITY, Material
+from .material_point import STATE
 from .materials import MATERIALS
 from .materials import material as named_material
 from .particle_reading import JoinedParticles, TissueBody
@@ -34,6 +36,8 @@ class Filling:
     velocity: FloatArray
     material_row: int
     solid: Solid | None
+    state: FloatArray | None = None
+    """Native values (n, 15) of particles that begin under stress, damaged or worked."""
 
 
 class ParticleStore:
@@ -72,6 +76,40 @@ class ParticleStore:
                 material_row=self._row_of(name, material),
                 solid=solid,
             )
+        )
+
+    def begin_in(
+        self,
+        name: str,
+        *,
+        grid_spacing: float,
+        velocity: Velocity | None,
+        stress: Given | None,
+        damage: Given,
+        plastic_strain: Given,
+    ) -> None:
+        """Let a body begin in this state instead of the one before; see `Experiment.set_state`."""
+        names = [filling.name for filling in self.fillings]
+        number = names.index(one_of("body", name, names))
+        before = self.fillings[number]
+        state = initial_state(
+            name,
+            self.materials[before.material_row],
+            before.position,
+            grid_spacing=grid_spacing,
+            stress=stress,
+            damage=damage,
+            plastic_strain=plastic_strain,
+        )
+        present = before.volume
+        if before.state is not None:
+            present = present * volume_ratio(before.state)
+        moving = before.velocity if velocity is None else velocity
+        self.fillings[number] = replace(
+            before,
+            state=state,
+            volume=present / volume_ratio(state),
+            velocity=_velocities(name, moving, before.position),
         )
 
     def _row_of(self, name: str, material: str | Material) -> int:
@@ -124,6 +162,20 @@ class ParticleStore:
             velocity=np.concatenate([filling.velocity for filling in self.fillings]),
             material_row=row,
             density=density[row],
+            state=self._state(),
+        )
+
+    def _state(self) -> FloatArray | None:
+        """Native values (n, 15) of all particles, None where all begin at rest."""
+        if all(filling.state is None for filling in self.fillings):
+            return None
+        return np.concatenate(
+            [
+                np.zeros((len(filling.position), STATE.stop))
+                if filling.state is None
+                else filling.state
+                for filling in self.fillings
+            ]
         )
 
 

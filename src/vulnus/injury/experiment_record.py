@@ -14,7 +14,7 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.checkpoint import CheckpointData
 
-from .experiment_result import Fields, fields_from_arrays, read_fields
+from .experiment_fields import Fields, fields_from_arrays, read_fields
 from .experiment_start import StartedExperiment
 from .particle_reading import ParticleReading, TissueBody
 from .rigid_body import BodyState, RigidBody
@@ -68,9 +68,10 @@ class Record:
                 height -= body.mass * float(state.position @ self._gravity)
             else:
                 work += state.work
-            row |= _below(f"rigid/{body.name}", _of_rigid_body(state, kinetic))
+            row |= _below(f"rigid/{body.name}", _of_rigid_body(body, state, kinetic))
         for flight, state in zip(self._started.flights, states, strict=True):
             row[f"rigid/{state.name}/depth"] = flight.depth(state, reading.time)
+            row[f"rigid/{state.name}/foremost"] = flight.foremost(state, reading.time)
         row |= _below("energy", self._energies(reading, rigid_energy, height, work))
         for name, sensor in self._sensors.items():
             row |= _below(f"sensor/{name}", sensor.read(reading))
@@ -90,7 +91,10 @@ class Record:
             "gravity": gravity,
             "rigid": rigid,
         }
-        return {**kept, "total": sum(kept.values()), "work": work}
+        total = sum(kept.values())
+        before = self._columns.get("energy/total", [np.array(total)])[0]
+        lost = float(before) + work - total
+        return {**kept, "total": total, "work": work, "dissipated": lost}
 
     def state(self) -> CheckpointData:
         """Columns and snapshots for a checkpoint."""
@@ -127,13 +131,22 @@ def kinetic_energy(body: RigidBody, state: BodyState) -> float:
     return translation + 0.5 * float(spin @ body.inertia @ spin)
 
 
-def _of_rigid_body(state: BodyState, kinetic: float) -> dict[str, AnyArray | float]:
+def _of_rigid_body(
+    body: RigidBody, state: BodyState, kinetic: float
+) -> dict[str, AnyArray | float]:
+    mass = float("nan") if body.mass is None else body.mass
+    inertia = body.inertia * (mass / (body.mass or 1.0))
+    turn = state.rotation
     return {
+        "mass": mass,
+        "momentum": mass * state.velocity,
+        "angular_momentum": turn @ inertia @ turn.T @ state.angular_velocity,
         "position": state.position,
         "velocity": state.velocity,
         "rotation": state.rotation,
         "angular_velocity": state.angular_velocity,
         "impulse": state.impulse,
+        "angular_impulse": state.angular_impulse,
         "normal_impulse": state.normal_impulse,
         "work": state.work,
         "kinetic_energy": kinetic,

@@ -8,108 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, IndexArray
+from vulnus.core.arrays import FloatArray
 from vulnus.core.errors import ScenarioError
-from vulnus.core.handoff import ParticleFrame
+from vulnus.core.wound_report import EnergyDeposit, WoundTract
 
-from .cavity import cavity_volume
-from .checked_values import one_of
-from .particle_reading import QUANTITIES, ParticleReading, TissueBody
-from .solids import Solid
-
-FRAME_NAMES = {
-    "velocity": "velocity_m_per_s",
-    "displacement": "displacement_m",
-    "pressure": "pressure_pa",
-    "damage": "damage",
-    "plastic_strain": "plastic_strain",
-}
-"""Quantities that a frame for files carries, with their units in the name."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Fields:
-    """All particles, or some, at one instant; arrays in step, in the order they were added.
-
-    `position`, `reference_position`, `displacement` (n, 3) [m]; `velocity` (n, 3) [m/s];
-    `volume` (n,) [m³] and `mass` (n,) [kg] before the start; `stress` (n, 3, 3) [Pa], Cauchy's,
-    tension positive; `pressure` (n,) [Pa], compression positive; `volume_ratio` (n,) present over
-    reference volume; `damage` (n,) 0-1; `plastic_strain` (n,); `opening` (n,) logarithmic volume
-    strain of open voids; `body` (n,) indices into `body_names`.
-    """
-
-    time: float
-    position: FloatArray
-    reference_position: FloatArray
-    velocity: FloatArray
-    volume: FloatArray
-    mass: FloatArray
-    stress: FloatArray
-    pressure: FloatArray
-    volume_ratio: FloatArray
-    damage: FloatArray
-    plastic_strain: FloatArray
-    opening: FloatArray
-    body: IndexArray
-    body_names: tuple[str, ...]
-
-    @property
-    def displacement(self) -> FloatArray:
-        """Way (n, 3) [m] from the reference position."""
-        moved: FloatArray = self.position - self.reference_position
-        return moved
-
-    def __len__(self) -> int:
-        return len(self.position)
-
-    def of(self, body: str) -> Fields:
-        """Only the particles of this body of tissue."""
-        return self.where(self.body == self.body_names.index(one_of("body", body, self.body_names)))
-
-    def inside(self, solid: Solid) -> Fields:
-        """Only the particles that are inside the solid now."""
-        return self.where(solid.contains(self.position))
-
-    def where(self, chosen: BoolArray) -> Fields:
-        """Only the particles that are chosen by (n,) of bool."""
-        arrays = {name: getattr(self, name)[chosen] for name in _ARRAYS}
-        return Fields(time=self.time, body_names=self.body_names, **arrays)
-
-    def arrays(self) -> dict[str, AnyArray]:
-        """All arrays and the time by name."""
-        return {"time": np.array(self.time), **{name: getattr(self, name) for name in _ARRAYS}}
-
-    @property
-    def extent(self) -> tuple[FloatArray, FloatArray]:
-        """Lowest and highest corner (3,) [m] of the material, half a particle around positions."""
-        half = 0.5 * np.cbrt(self.volume * self.volume_ratio)[:, None]
-        return (self.position - half).min(axis=0), (self.position + half).max(axis=0)
-
-    def cavity_volume(self) -> float:
-        """Volume [m³] that the particles enclose and do not fill, such as a temporary cavity.
-
-        A hole that is open to outside, as a track, ends flush with the surface. Holes narrower than
-        about two distances between particles are not seen.
-        """
-        spacing = float(np.cbrt(self.volume.mean()))
-        return cavity_volume(self.position, spacing, volume=self.volume)
-
-    def save(self, path: str | Path) -> Path:
-        """Write all arrays to a NumPy .npz file; `np.load(path)["pressure"]` reads one."""
-        return _write_arrays(Path(path), self.arrays())
-
-    def frame(self, index: int = 0) -> ParticleFrame:
-        """The particles for `vulnus.storage.FrameSeries`, which writes VTKHDF for ParaView."""
-        data = {name: getattr(self, key).astype(np.float32) for key, name in FRAME_NAMES.items()}
-        return ParticleFrame(
-            index=index,
-            time=self.time,
-            position=self.position.astype(np.float32),
-            point_data={**data, "body": self.body.astype(np.int32)},
-        )
-
-
-_ARRAYS = tuple(name for name in Fields.__dataclass_fields__ if name not in ("time", "body_names"))
+from .checked_values import one_of, positive
+from .experiment_fields import Fields, write_arrays
+from .experiment_wound import BROKEN, flight_path, tract_of
+from .tract import ENERGY_BIN, energy_along
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,26 +41,56 @@ class TissueRecord:
 class RigidBodyRecord:
     """A rigid body, samples along the first axis of every array.
 
-    `position` (m, 3) [m] of its centre of mass; `velocity` (m, 3) [m/s]; `rotation` (m, 3, 3) from
-    its own axes to the world's; `angular_velocity` (m, 3) [rad/s]; `impulse` (m, 3) [N s] that the
-    tissue has given it; `normal_impulse` (m,) [N s], the sum of the sizes of its normal parts;
-    `work` (m,) [J] that it has done on the tissue; `kinetic_energy` (m,) [J], NaN without a mass;
-    `depth` (m,) [m] that its foremost point has come since first contact, along the direction of
-    the start: behind the surface where that is square to the flight, negative before contact, NaN
-    where its line meets no tissue.
+    `mass` [kg], NaN for a body without one, whose momenta and energy are NaN too; `position` (m, 3)
+    [m] of its centre of mass; `foremost` (m, 3) [m] as far ahead of it as its foremost point is;
+    `velocity` (m, 3) [m/s]; `rotation` (m, 3, 3) from its own axes to the world's;
+    `angular_velocity` (m, 3) [rad/s]; `momentum` (m, 3) [kg m/s]; `angular_momentum` (m, 3)
+    [kg m²/s] about its centre of mass; `impulse` (m, 3) [N s] and, about the centre,
+    `angular_impulse` (m, 3) [N m s] that the tissue has given it; `normal_impulse` (m,) [N s], the
+    sum of the sizes of its normal parts; `work` (m,) [J] that it has done on the tissue;
+    `kinetic_energy` (m,) [J]; `depth` (m,) [m] of its foremost point behind the surface it was
+    aimed at, along the direction of the start: negative before contact, NaN where its line meets no
+    tissue.
     """
 
     name: str
     time: FloatArray
+    mass: float
     position: FloatArray
+    foremost: FloatArray
     velocity: FloatArray
     rotation: FloatArray
     angular_velocity: FloatArray
+    momentum: FloatArray
+    angular_momentum: FloatArray
     impulse: FloatArray
+    angular_impulse: FloatArray
     normal_impulse: FloatArray
     work: FloatArray
     kinetic_energy: FloatArray
     depth: FloatArray
+
+    @property
+    def force(self) -> FloatArray:
+        """Mean force (m, 3) [N] of the tissue on it since the sample before; 0 at the first."""
+        return _mean_rate(self.time, self.impulse)
+
+    @property
+    def torque(self) -> FloatArray:
+        """Mean torque (m, 3) [N m] about its centre since the sample before; 0 at the first."""
+        return _mean_rate(self.time, self.angular_impulse)
+
+    @property
+    def axis(self) -> FloatArray:
+        """Direction (m, 3) in which its nose, its own +x, points."""
+        return self.rotation[:, :, 0]
+
+    def energy_deposit(self, interval: float = ENERGY_BIN) -> EnergyDeposit:
+        """Energy [J] left in each `interval` [m] of the way of its foremost point since contact.
+
+        As fine as the samples are: take them at least every `interval`.
+        """
+        return energy_along(flight_path(self), positive("interval", interval))
 
     @property
     def speed(self) -> FloatArray:
@@ -211,8 +147,9 @@ class ExperimentResult:
 
         "kinetic" and "elastic" of the tissue, "rigid" the kinetic energy of the dynamic rigid
         bodies, "gravity" the potential energy of both, "total" the sum of these four; "work" is
-        what kinematic and guided bodies have put in. What plastic flow, damage, friction and the
-        scheme itself have turned into heat is missing from the total.
+        what kinematic and guided bodies have put in. "dissipated" is what is missing since time 0,
+        total(0) + work - total: what plastic flow, damage, friction, sponges and the scheme itself
+        have turned into heat, less what moving walls and `slow_waves` have put in.
         """
         return self._below("energy")
 
@@ -247,7 +184,18 @@ class ExperimentResult:
     def rigid_body(self, name: str) -> RigidBodyRecord:
         """A rigid body: its motion, its depth, and what it gave the tissue."""
         columns = self._below(f"rigid/{one_of('rigid body', name, self.rigid_body_names)}")
-        return RigidBodyRecord(name=name, time=self.time, **columns)
+        mass = float(columns.pop("mass")[0])
+        return RigidBodyRecord(name=name, time=self.time, mass=mass, **columns)
+
+    def tract(self, name: str, *, damage_threshold: float = BROKEN) -> WoundTract:
+        """The way of a rigid body through the tissue, from surface to surface or its stop.
+
+        `points` (n, 3) [m] at `arc_length` (n,) [m], and radii (n,) [m] of circles of the same
+        section: `permanent_radius` of the cavity at the end, `temporary_radius` of the largest
+        among the snapshots and the end, `destroyed_radius` of tissue with damage from
+        `damage_threshold`, as it lay before. As fine as the samples are.
+        """
+        return tract_of(self.rigid_body(name), self.snapshots, self.final, damage_threshold)
 
     def sensor(self, name: str) -> SensorRecord:
         """What the sensor of this name saw."""
@@ -264,7 +212,7 @@ class ExperimentResult:
 
     def save(self, path: str | Path) -> Path:
         """Write all curves to a NumPy .npz file under their full names, see `columns`."""
-        return _write_arrays(Path(path), self.columns)
+        return write_arrays(Path(path), self.columns)
 
     def _below(self, prefix: str) -> dict[str, FloatArray]:
         start = prefix + "/"
@@ -279,31 +227,8 @@ class ExperimentResult:
         return tuple(dict.fromkeys(parts[1] for parts in found if parts[0] == kind))
 
 
-def read_fields(reading: ParticleReading, bodies: tuple[TissueBody, ...]) -> Fields:
-    """All quantities of all particles now."""
-    index = np.concatenate(
-        [np.full(b.particles.stop - b.particles.start, i) for i, b in enumerate(bodies)]
-    )
-    quantities = {name: reading[name] for name in QUANTITIES if name != "displacement"}
-    return Fields(
-        time=reading.time,
-        reference_position=reading.reference,
-        volume=reading.volume,
-        mass=reading.mass,
-        body=index,
-        body_names=tuple(body.name for body in bodies),
-        **quantities,
-    )
-
-
-def fields_from_arrays(arrays: Mapping[str, AnyArray], body_names: tuple[str, ...]) -> Fields:
-    """What `Fields.arrays` gave, as fields again."""
-    rest = {name: np.asarray(arrays[name]) for name in _ARRAYS}
-    return Fields(time=float(arrays["time"]), body_names=body_names, **rest)
-
-
-def _write_arrays(path: Path, arrays: Mapping[str, AnyArray]) -> Path:
-    if path.suffix != ".npz":
-        raise ScenarioError("path", f"{path} does not end in .npz", "Name it NAME.npz.")
-    np.savez_compressed(path, **dict(arrays))  # type: ignore[arg-type]
-    return path
+def _mean_rate(time: FloatArray, values: FloatArray) -> FloatArray:
+    """Change (m, ...) of the values since the sample before over the time between."""
+    rate = np.zeros_like(values)
+    rate[1:] = np.diff(values, axis=0) / np.diff(time)[:, None]
+    return rate

@@ -14,6 +14,7 @@ from . import experiment_checks as checks
 from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall, WallKind
 from .checked_values import finite, not_negative, one_of, positive, vector
 from .experiment_particles import Arrangement, ParticleStore, Velocity, fill
+from .initial_state import Given
 from .labelled_bodies import label_bodies
 from .materials import Material
 from .projectile_launch import Launch
@@ -151,6 +152,34 @@ class ExperimentSetup:
             )
         return found
 
+    def set_state(
+        self,
+        body: str,
+        *,
+        velocity: Velocity | None = None,
+        stress: Given | None = None,
+        damage: Given = 0.0,
+        plastic_strain: Given = 0.0,
+    ) -> None:
+        """Let a body of tissue begin moving, under stress, damaged or worked.
+
+        Each value is one for all particles, an array with one for each, or a function of their
+        positions (n, 3) [m]: `velocity` (3,) [m/s] (None leaves that of `add_body`), Cauchy's
+        `stress` (3, 3) [Pa], tension positive, `damage` 0 to 1, `plastic_strain` >= 0. The body is
+        placed as it stands under this stress; its undeformed volume and mass follow from that.
+        Whether the stress is in equilibrium is yours to see to. A second call replaces the first.
+        Raises `ScenarioError` for a stress beyond what the material bears.
+        """
+        self._refuse_after_start("set_state")
+        self._store.begin_in(
+            body,
+            grid_spacing=self.grid_spacing,
+            velocity=velocity,
+            stress=stress,
+            damage=damage,
+            plastic_strain=plastic_strain,
+        )
+
     def add_rigid_body(self, body: RigidBody) -> str:
         """Add a rigid body: a projectile, a blade, a plate; returns its name.
 
@@ -174,6 +203,7 @@ class ExperimentSetup:
         motion: Motion = "dynamic",
         yaw_degrees: float = 0.0,
         pitch_degrees: float = 0.0,
+        roll_degrees: float = 0.0,
         spin: float = 0.0,
         friction: float = FRICTION,
         name: str | None = None,
@@ -183,9 +213,11 @@ class ExperimentSetup:
         It flies at `speed` [m/s] along `direction`. Give either `target`, any point [m] on its
         line: it then starts one cell before it meets the first tissue; or `centre`, where its
         centre of mass [m] is at time 0. Its nose points along `direction`, turned to the right by
-        `yaw_degrees` and up (+z) by `pitch_degrees`; `spin` [rad/s] is about its long axis, for a
-        rifled barrel `projectile(name).spin`. `motion` "dynamic" lets the tissue slow it down,
-        "kinematic" keeps its velocity. `friction` is Coulomb's coefficient.
+        `yaw_degrees`, up (+z) by `pitch_degrees`, and about its long axis, clockwise from behind,
+        by `roll_degrees` (a blade's width lies along z at 0, across it at 90); `spin` [rad/s] turns
+        it on about that axis, for a rifled barrel by `projectile(name).spin`. `motion` "dynamic"
+        lets the tissue slow it down, "kinematic" keeps its velocity. `friction` is Coulomb's
+        coefficient.
         """
         self._refuse_after_start("add_projectile")
         shot = named_projectile(projectile) if isinstance(projectile, str) else projectile
@@ -207,6 +239,7 @@ class ExperimentSetup:
             motion=motion,
             yaw=DEGREE * finite("yaw_degrees", yaw_degrees),
             pitch=DEGREE * finite("pitch_degrees", pitch_degrees),
+            roll=DEGREE * finite("roll_degrees", roll_degrees),
             spin=finite("spin", spin),
             friction=not_negative("friction", friction),
         )

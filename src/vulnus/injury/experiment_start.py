@@ -114,6 +114,8 @@ def _filled_solver(
         material=particles.material_row,
         velocity=particles.velocity,
     )
+    if particles.state is not None:
+        solver.set_point_state(particles.state)
     return solver
 
 

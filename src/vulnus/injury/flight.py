@@ -46,6 +46,21 @@ class Flight:
         way = float((state.position - self._start) @ self.direction)
         return way + self._outline.reach(self.direction, state.rotation, time) - self._entry
 
+    def foremost(self, state: BodyState, time: float) -> FloatArray:
+        """Place (3,) [m] ahead of the centre along the flight, as far as the foremost point is.
+
+        Along the present velocity; along the direction of the start where it has turned back.
+        """
+        if self.direction is None:
+            return np.array(state.position)
+        speed = float(np.linalg.norm(state.velocity))
+        onwards = float(state.velocity @ self.direction) > 0.0
+        heading = state.velocity / speed if onwards else self.direction
+        ahead: FloatArray = (
+            state.position + self._outline.reach(heading, state.rotation, time) * heading
+        )
+        return ahead
+
 
 def aimed_direction(body: RigidBody) -> FloatArray | None:
     """Unit vector (3,) of the flight at the start, None for a body that stands."""

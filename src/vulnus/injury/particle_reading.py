@@ -44,7 +44,8 @@ class JoinedParticles:
     """All particles before the first step, in the order in which they were added.
 
     `position` (n, 3) [m], `volume` (n,) [m³], `velocity` (n, 3) [m/s], `material_row` (n,) of the
-    table of materials, `density` (n,) [kg/m³].
+    table of materials, `density` (n,) [kg/m³]; `state` (n, 15) as `MpmSolver.set_point_state` takes
+    it, None where nothing is strained or damaged.
     """
 
     position: FloatArray
@@ -52,6 +53,7 @@ class JoinedParticles:
     velocity: FloatArray
     material_row: LabelArray
     density: FloatArray
+    state: FloatArray | None = None
 
 
 class ParticleReading:

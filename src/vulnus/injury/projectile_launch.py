@@ -27,6 +27,7 @@ class Launch:
     motion: Motion
     yaw: float
     pitch: float
+    roll: float
     spin: float
     friction: float
 
@@ -49,6 +50,7 @@ class Launch:
             speed=self.speed,
             yaw=self.yaw,
             pitch=self.pitch,
+            roll=self.roll,
             spin=self.spin,
             motion=self.motion,
             friction=self.friction,

@@ -137,6 +137,15 @@ class MpmSolver:
                 self._material[part],
             )
 
+    def set_point_state(self, state: FloatArray) -> None:
+        """Begin with strains and damage: (n, 15) b_e - I, plastic strain, opening, damage, b - I.
+
+        In the order of `set_particles`; strains as xx yy zz xy yz zx, the last of the network.
+        """
+        self._native.set_values(STRAIN, np.ascontiguousarray(state[:, :6], dtype=np.float64))
+        rest = np.ascontiguousarray(state[:, 6:], dtype=np.float64)
+        self._native.set_values(PLASTIC_STRAIN, rest)
+
     def set_tracers(self, position: FloatArray) -> None:
         """Put in massless points (n, 3) [m] that move with the material."""
         self._native.set_tracers(np.ascontiguousarray(position - self._origin))
@@ -244,6 +253,12 @@ class MpmSolver:
     def velocity(self) -> AnyArray:
         """Velocities (n, 3) [m/s]; of the end of the newest epoch."""
         return self._native.values(VELOCITY, 3)
+
+    @property
+    def elastic_left_cauchy_green(self) -> AnyArray:
+        """Left Cauchy-Green tensor (n, 3, 3) of the elastic part of the deformation."""
+        tensor: AnyArray = self._native.values(STRAIN, 6)[:, FULL_TENSOR] + np.eye(3)
+        return tensor
 
     @property
     def plastic_strain(self) -> AnyArray:

@@ -96,13 +96,13 @@ def _along_tract(
     return arc[index] + offset, np.asarray(distance) < NEAR_TRACT
 
 
-def energy_along(path: FlightPath) -> EnergyDeposit:
-    """Work of the projectile in equal pieces of its path, up to where it does no more."""
+def energy_along(path: FlightPath, interval: float = ENERGY_BIN) -> EnergyDeposit:
+    """Work of the projectile in pieces of `interval` [m], up to where it does no more."""
     arc = path.arc_length
     last = int(np.searchsorted(path.work, path.work[-1] * (1.0 - NO_MORE_WORK)))
-    end = max(float(arc[min(last, len(arc) - 1)]), ENERGY_BIN)
-    pieces = int(np.ceil(end / ENERGY_BIN - 1e-9))
-    edges = ENERGY_BIN * np.arange(pieces + 1, dtype=np.float64)
+    end = max(float(arc[min(last, len(arc) - 1)]), interval)
+    pieces = int(np.ceil(end / interval - 1e-9))
+    edges = interval * np.arange(pieces + 1, dtype=np.float64)
     work = np.interp(edges, arc, path.work)
     work[-1] = path.work[-1]
     return EnergyDeposit(edges=edges, energy=np.diff(work))
