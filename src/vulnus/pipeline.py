@@ -215,7 +215,8 @@ def _bleed(
         checkpoint=kept,
         progress=progress,
     )
-    return replace(outcome, skin_open_area=blood.openings.area)
+    holes = blood.openings
+    return replace(outcome, skin_open_area=holes.area, skin_sparse_area=holes.sparse_area)
 
 
 def _draw(scenario: Scenario, store: RunStore, progress: Progress, say: Say) -> tuple[str, ...]:

@@ -219,8 +219,12 @@ def _report_rows(report: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         return
     largest, when = report["temporary_cavity_ml"], report["temporary_time_ms"]
     end = _shown(report["permanent_cavity_ml"], "ml")
-    yield "cavity", f"{_shown(largest, 'ml')} at {_shown(when, 'ms')}, {end} at the end"
+    collapsed = report["collapse_time_ms"]
+    how = "not collapsed" if collapsed is None else f"collapsed at {_shown(collapsed, 'ms')}"
+    yield "cavity", f"{_shown(largest, 'ml')} at {_shown(when, 'ms')}, {end} at the end, {how}"
     yield "energy left", _shown(report["energy_left_j"], "J")
+    for note in report.get("notes", ()):
+        yield "note", note
 
 
 def _shown(value: float | None, unit: str) -> str:

@@ -136,9 +136,15 @@ def test_a_summary_tells_of_the_cavity_and_of_a_projectile_that_stays_inside() -
         "temporary_time_ms": 1.5,
         "permanent_cavity_ml": 18.5,
         "energy_left_j": 341.0,
+        "collapse_time_ms": None,
+        "notes": ["coarse cells"],
     }
     wound = {"severed_segment": "fibular", "entry_area_mm2": 60.0, "exit_area_mm2": None}
     rows = dict(summary_rows({"wound": {**wound, "report": report}}))
     assert rows["exit wound"] == "none"
-    assert rows["cavity"] == "121 ml at 1.5 ms, 18.5 ml at the end"
+    assert rows["cavity"] == "121 ml at 1.5 ms, 18.5 ml at the end, not collapsed"
+    assert rows["note"] == "coarse cells"
+    report["collapse_time_ms"] = 8.0
+    rows = dict(summary_rows({"wound": {**wound, "report": report}}))
+    assert rows["cavity"].endswith("collapsed at 8 ms")
     assert rows["energy left"] == "341 J"

@@ -353,7 +353,9 @@ class BleedOutcome:
     `barrier_crossings` counts how often a blood particle was found half its spacing deep in intact
     skin, bone or the platform, and put back;
     `mean_flow_per_beat` (beats,) [m³/s], of the whole beats; of the whole run where it is shorter
-    than one beat. `skin_open_area` [m²] of the holes in the skin that blood can get out through.
+    than one beat. `skin_open_area` [m²] of the holes in the skin that blood can get out through;
+    `skin_sparse_area` [m²] where skin points are less than half as dense as before the shot, the
+    hole of the paper's barrier.
     """
 
     waveforms: BleedWaveforms
@@ -365,3 +367,4 @@ class BleedOutcome:
     steps: int
     particle_steps_per_second: float
     skin_open_area: float = 0.0
+    skin_sparse_area: float = 0.0

@@ -79,12 +79,19 @@ class BoneFragment:
 class BoneReport:
     """What became of bone [kg]: `mass` of all that is simulated, `fragments` heaviest first.
 
-    `debris_mass` is destroyed, or in pieces too small to be told from dust.
+    `debris_mass` is destroyed, or in pieces too small for the material points to tell;
+    `debris_piece_mass` [kg] estimates one of its pieces, 0 without debris.
     """
 
     mass: float
     debris_mass: float
     fragments: tuple[BoneFragment, ...]
+    debris_piece_mass: float = 0.0
+
+    @property
+    def debris_piece_count(self) -> int:
+        """Estimate of how many pieces the debris is."""
+        return round(self.debris_mass / self.debris_piece_mass) if self.debris_piece_mass else 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,7 +162,8 @@ class WoundReport:
 
     `temporary_time` [s] is when the cavity was largest. `particle_count` and `steps` say what was
     simulated; `flight_steps` of them with the tissues' true moduli. `collapse_time` [s] is since
-    when the temporary cavity has collapsed, None where it has not at the end.
+    when the temporary cavity has collapsed, None where it has not at the end. `notes` say what a
+    reader of the numbers has to know.
     """
 
     projectiles: tuple[ProjectileReport, ...]
@@ -168,6 +176,7 @@ class WoundReport:
     steps: int
     flight_steps: int
     collapse_time: float | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def collapsed(self) -> bool:

@@ -34,10 +34,14 @@ HOLE_DENSITY = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Openings:
-    """`area` [m²] of the holes in the skin that test particles can cross, 0 where none `leaks`."""
+    """`area` [m²] of the holes in the skin that test particles can cross, 0 where none `leaks`.
+
+    `sparse_area` [m²] is that where skin points are sparse, as `sparse_skin_area` says.
+    """
 
     leaks: bool
     area: float
+    sparse_area: float = 0.0
 
 
 def skin_openings(barriers: LimbBarriers, particle_spacing: float) -> Openings:

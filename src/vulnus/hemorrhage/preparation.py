@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
@@ -13,7 +15,7 @@ from vulnus.core.units import MILLIMETRE
 from .barriers import LimbBarriers, Platform, build_barriers, place_platform
 from .bleeding import BleedingSolver
 from .fluid import FluidParameters
-from .openings import skin_openings
+from .openings import skin_openings, sparse_skin_area
 from .parameters import HemorrhageParameters
 from .tissue_field import TissueGrid, build_tissue
 
@@ -149,7 +151,10 @@ def prepare(
         threads=parameters.threads,
     )
     _furnish(solver, wound, parameters, barriers, tissue)
-    solver.openings = skin_openings(barriers, parameters.particle_spacing)
+    solver.openings = replace(
+        skin_openings(barriers, parameters.particle_spacing),
+        sparse_area=sparse_skin_area(wound, barriers),
+    )
     shown.update(3.0)
     shown.end()
     return solver

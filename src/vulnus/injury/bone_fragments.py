@@ -1,7 +1,8 @@
 """Pieces of bone that no longer hang together with a main bone.
 
 Two points of bone hang together where both are whole, were neighbours before the shot and have not
-been pulled apart; the connected components of that graph are the pieces.
+been pulled apart; the connected components of that graph are the pieces. What is crushed has lost
+all bonds; how large its pieces are follows from what it costs to part them.
 """
 
 from __future__ import annotations
@@ -10,6 +11,8 @@ import numpy as np
 
 from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, IndexArray, Vector3
 from vulnus.core.wound_report import BoneFragment, BoneReport
+
+from .materials import CORTICAL_BONE
 
 NEIGHBOUR_REACH = 1.6
 """Distance of neighbours before the shot over the points' spacing; chosen: the nearest shell of a
@@ -21,17 +24,26 @@ PARTED_STRETCH = 1.3
 MAIN_SHARE = 0.1
 """Share of an unbroken bone's mass from which a piece is a main part of it; chosen."""
 
+SPHERES = 24.0
+"""Factor of `crushed_piece_mass` [M: Grady 1982, J. Appl. Phys. 53, 322]."""
+
 LEAST_POINTS = 4
 """Points of the smallest fragment; chosen: fewer have no extent in all three directions."""
 
 
 def bone_report(
-    reference: AnyArray, position: AnyArray, mass: AnyArray, whole: BoolArray, *, spacing: float
+    reference: AnyArray,
+    position: AnyArray,
+    mass: AnyArray,
+    whole: BoolArray,
+    *,
+    spacing: float,
+    strain_rate: float,
 ) -> BoneReport:
     """Fragments of the bone whose points (n, 3) [m] lay at `reference` and now lie at `position`.
 
     `mass` (n,) [kg]; `whole` (n,) says which points are not destroyed; `spacing` [m] is the least
-    distance of points before.
+    distance of points before; `strain_rate` [1/s] that at which bone was crushed.
     """
     mass = np.asarray(mass, np.float64)
     if len(mass) == 0:
@@ -60,11 +72,23 @@ def bone_report(
         )
         for piece in np.flatnonzero(is_fragment)
     ]
+    debris = float(mass[~whole].sum() + piece_mass[~(is_main | is_fragment)].sum())
     return BoneReport(
         mass=float(mass.sum()),
-        debris_mass=float(mass.sum() - piece_mass[is_main | is_fragment].sum()),
+        debris_mass=debris,
+        debris_piece_mass=min(debris, crushed_piece_mass(strain_rate)),
         fragments=tuple(sorted(fragments, key=lambda piece: (-piece.mass, piece.position))),
     )
+
+
+def crushed_piece_mass(strain_rate: float) -> float:
+    """Mass [kg] of a piece of cortical bone that was crushed at a strain rate [1/s].
+
+    A piece's kinetic energy of expansion about its own middle pays for its new surface (Grady):
+
+        size = (24 G / (rho rate²))^(1/3),   mass = rho size³ = 24 G / rate².
+    """
+    return SPHERES * CORTICAL_BONE.fracture_energy / strain_rate**2
 
 
 def _neighbours(points: FloatArray, reach: float) -> IndexArray:

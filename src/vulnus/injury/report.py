@@ -26,6 +26,7 @@ from .cavity import Cavity, deposit, find_cavity, tissue_share
 from .materials import TISSUE_MATERIALS
 from .projectile_way import ProjectileWay
 from .record import RunRecord, Snapshot, poses
+from .report_notes import notes_of
 from .run_end import collapse_time
 from .shot_setup import ShotSetup
 from .tract import arc_length_of, cavity_radius, destroyed_radius, energy_along
@@ -216,6 +217,7 @@ def wound_report(
         steps=setup.solver.steps,
         flight_steps=record.flight_steps,
         collapse_time=collapse_time(record.history),
+        notes=notes_of(setup, record.history),
     )
 
 
@@ -229,6 +231,7 @@ def _bone(setup: ShotSetup, end: LimbState) -> BoneReport:
         limb.volume[bone] * density,
         end.damage[bone] < setup.parameters.damage_threshold,
         spacing=limb.spacing,
+        strain_rate=max(shot.speed / shot.diameter for shot in setup.shots),
     )
 
 

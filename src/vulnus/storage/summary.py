@@ -6,7 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from vulnus.core.handoff import BleedOutcome, InjuredLimb, InjuryOutcome, VesselInjury
+from vulnus.core.handoff import (
+    BleedOutcome,
+    InjuredLimb,
+    InjuryOutcome,
+    ProjectileHoles,
+    VesselInjury,
+)
 from vulnus.core.units import (
     MILLILITRE,
     MILLILITRE_PER_MINUTE,
@@ -60,6 +66,7 @@ def _wound(wound: InjuredLimb) -> dict[str, Any]:
         "severed_segment": wound.severed_segment,
         "entry_area_mm2": _finite(wound.entry_area / SQUARE_MILLIMETRE),
         "exit_area_mm2": _area(wound.exit_area),
+        "holes": [_holes(made) for made in wound.holes],
         "injuries": [_injury(injury) for injury in wound.injuries],
         "entry_point_mm": [x / MILLIMETRE for x in wound.shot.entry_point],
         "exit_point_mm": [x / MILLIMETRE for x in wound.shot.exit_point],
@@ -77,6 +84,16 @@ def _state(limb: InjuredLimb) -> dict[str, Any]:
         "steps": limb.steps,
         "entry_area_mm2": _area(limb.entry_area),
         "exit_area_mm2": _area(limb.exit_area),
+    }
+
+
+def _holes(made: ProjectileHoles) -> dict[str, Any]:
+    out = made.exit_point
+    return {
+        "entry_point_mm": [x / MILLIMETRE for x in made.entry_point],
+        "entry_area_mm2": _area(made.entry_area),
+        "exit_point_mm": None if out is None else [x / MILLIMETRE for x in out],
+        "exit_area_mm2": _area(made.exit_area),
     }
 
 
@@ -118,6 +135,7 @@ def _bleeding(outcome: BleedOutcome | None, *, bled: bool) -> dict[str, Any]:
         "volume_error_fraction",
         "barrier_crossings",
         "skin_open_area_mm2",
+        "skin_sparse_area_mm2",
         "particles",
         "steps",
     )
@@ -137,6 +155,7 @@ def _bleeding(outcome: BleedOutcome | None, *, bled: bool) -> dict[str, Any]:
         outcome.ledger.volume_error_fraction,
         outcome.barrier_crossings,
         outcome.skin_open_area / SQUARE_MILLIMETRE,
+        outcome.skin_sparse_area / SQUARE_MILLIMETRE,
         outcome.particle_count,
         outcome.steps,
     )

@@ -108,6 +108,11 @@ def report_numbers(report: WoundReport) -> dict[str, Any]:
         "temporary_time_ms": report.temporary_time / MILLISECOND,
         "temporary_cavity_ml": float(volume.max(initial=0.0)) / MILLILITRE,
         "permanent_cavity_ml": (float(volume[-1]) if len(volume) else 0.0) / MILLILITRE,
+        "cavity_collapsed": report.collapsed,
+        "collapse_time_ms": (
+            None if report.collapse_time is None else report.collapse_time / MILLISECOND
+        ),
+        "end_time_ms": (float(report.cavity.time[-1]) if len(volume) else 0.0) / MILLISECOND,
         "simulated_particles": report.particle_count,
         "steps": report.steps,
         "flight_steps": report.flight_steps,
@@ -116,6 +121,7 @@ def report_numbers(report: WoundReport) -> dict[str, Any]:
         "projectiles": [_projectile(projectile) for projectile in report.projectiles],
         "arteries": [_vessel(vessel) for vessel in report.vessels],
         "bone": _bone(report.bone),
+        "notes": list(report.notes),
     }
 
 
@@ -129,6 +135,8 @@ def _projectile(projectile: ProjectileReport) -> dict[str, Any]:
         "energy_before_j": projectile.energy_before,
         "energy_after_j": projectile.energy_after,
         "energy_left_j": projectile.energy.total,
+        "tract_length_mm": float(projectile.tract.arc_length[-1]) / MILLIMETRE,
+        "cells_across": projectile.cells_across if np.isfinite(projectile.cells_across) else None,
         "entry": _hole(projectile.entry),
         "exit": None if projectile.exit is None else _hole(projectile.exit),
     }
@@ -159,6 +167,8 @@ def _bone(bone: BoneReport) -> dict[str, Any]:
     return {
         "mass_g": bone.mass / GRAM,
         "debris_g": bone.debris_mass / GRAM,
+        "debris_pieces": bone.debris_piece_count,
+        "debris_piece_mass_g": bone.debris_piece_mass / GRAM,
         "fragments": len(bone.fragments),
         "fragment_masses_g": [piece.mass / GRAM for piece in bone.fragments],
     }
