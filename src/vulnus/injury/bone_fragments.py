@@ -38,12 +38,13 @@ def bone_report(
     whole: BoolArray,
     *,
     spacing: float,
-    strain_rate: float,
+    strain_rate: float | None = None,
 ) -> BoneReport:
     """Fragments of the bone whose points (n, 3) [m] lay at `reference` and now lie at `position`.
 
     `mass` (n,) [kg]; `whole` (n,) says which points are not destroyed; `spacing` [m] is the least
-    distance of points before; `strain_rate` [1/s] that at which bone was crushed.
+    distance of points before; `strain_rate` [1/s] that at which bone was crushed, None where its
+    pieces are not estimated.
     """
     mass = np.asarray(mass, np.float64)
     if len(mass) == 0:
@@ -76,7 +77,7 @@ def bone_report(
     return BoneReport(
         mass=float(mass.sum()),
         debris_mass=debris,
-        debris_piece_mass=min(debris, crushed_piece_mass(strain_rate)),
+        debris_piece_mass=min(debris, crushed_piece_mass(strain_rate)) if strain_rate else 0.0,
         fragments=tuple(sorted(fragments, key=lambda piece: (-piece.mass, piece.position))),
     )
 
