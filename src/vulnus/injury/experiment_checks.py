@@ -10,17 +10,45 @@ import numpy as np
 from vulnus.core.arrays import FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from .checked_values import positive, vector
+from .checked_values import length, positive, shown, vector, warn_user
+from .filling_checks import THICKNESS_FOUND, refuse_scattered
 from .solids import Solid, triple
 
 if TYPE_CHECKING:
     from .experiment_particles import Filling
 
+UNBOUNDED = 1e30
+"""A place [m] that nothing reaches."""
+MOST_THREADS = 4096
+LARGE_CELL = 0.1  # [m] [chosen: no limb is resolved with it, but 1 mm given as 1 is found]
 LEAST_CELLS = 2.0
 """Cells across the thinnest part of a body; fewer have no bending and half their stiffness."""
 BOX_EXTENTS = 5.0  # extents of the bodies beyond them to each side [chosen: room to fly]
 LEAST_MARGIN = 0.5  # [m] [chosen: 1 ms at 500 m/s]
+MOST_BOX_CELLS = 2.0**20
+"""Cells along an edge of the box at most [D: the grid counts 2^20 to each side of its middle]."""
+MOST_CELLS = 2.0**19  # that the bodies may span, which leaves room around them
+FARTHEST_CELLS = 1e9
+"""Cells from the origin at most [chosen: round-off is then a ten-millionth of a cell]."""
 OVERLAP_DEPTH = 0.25  # of a point spacing inside another body: touching bodies stay below
+
+
+def cell(grid_spacing: float) -> float:
+    """The edge of a cell [m]; warns of one that is rather meant as millimetres."""
+    spacing = length("grid_spacing", grid_spacing)
+    if spacing > LARGE_CELL:
+        warn_user(f"grid_spacing is {spacing:g} m; lengths are metres: 2e-3 is 2 mm")
+    return spacing
+
+
+def points_together(fillings: list[Filling], grid_spacing: float) -> None:
+    """Take back the newest filling, with an error, where its points make no body."""
+    newest = fillings[-1]
+    try:
+        refuse_scattered(newest.name, newest.position, newest.volume, grid_spacing)
+    except ScenarioError:
+        fillings.pop()
+        raise
 
 
 def courant_number(value: float) -> float:
@@ -39,23 +67,36 @@ def free_name(wish: str | None, kind: str, taken: Collection[str]) -> str:
             number += 1
         return f"{kind} {number}"
     if not isinstance(wish, str) or not wish or "/" in wish:
-        raise ScenarioError(f"{kind} name", f"is {wish!r}", "Give a text without '/'.")
+        raise ScenarioError(f"{kind} name", f"is {shown(wish)}", "Give a text without '/'.")
     if wish in taken:
         raise ScenarioError(f"{kind} name", f"{wish!r} is taken", "Give every one its own name.")
     return wish
 
 
-def body_resolved(name: str, solid: Solid, grid_spacing: float, *, confined: bool) -> None:
-    """Refuse a body that is thinner than two cells, unless walls confine it to a slice."""
-    if not isinstance(solid, Solid):
-        raise ScenarioError("solid", f"is {solid!r}", "Give a Block, Ball, Rod or another Solid.")
+def body_resolved(
+    name: str, solid: Solid, grid_spacing: float, *, thickest: float | None, confined: bool
+) -> None:
+    """Refuse a body that is thinner than two cells, unless walls confine it to a slice.
+
+    `thickest` [m] is what was found of a combined solid, whose thinnest part is not known.
+    """
+    told = f"and needs {LEAST_CELLS:g}"
+    advice = "Use a smaller grid_spacing; a slice between two walls may be one cell thick."
+    if confined:
+        return
     cells = solid.thinnest / grid_spacing
-    if cells < LEAST_CELLS * (1.0 - 1e-9) and not confined:
+    if cells < LEAST_CELLS * (1.0 - 1e-9):
         raise ScenarioError(
             name,
-            f"is {solid.thinnest:g} m thin, {cells:.2g} cells of {grid_spacing:g} m, and needs "
-            f"{LEAST_CELLS:g}",
-            "Use a smaller grid_spacing; a slice between two walls may be one cell thick.",
+            f"is {solid.thinnest:g} m thin, {cells:.2g} cells of {grid_spacing:g} m, {told}",
+            advice,
+        )
+    if thickest is not None and thickest < THICKNESS_FOUND * LEAST_CELLS * grid_spacing:
+        raise ScenarioError(
+            name,
+            f"is {thickest:.2g} m thin at its thickest, {thickest / grid_spacing:.2g} cells of "
+            f"{grid_spacing:g} m, {told}",
+            advice,
         )
 
 
@@ -121,11 +162,30 @@ def box_around(
 ) -> tuple[Vector3, Vector3]:
     """The box of the run: the given one or one with room, with its middle on a node of the grid."""
     lowest, highest = position.min(axis=0), position.max(axis=0)
+    extent = float(np.max(highest - lowest))
+    far = float(np.max(np.abs([lowest, highest])))
+    if extent > MOST_CELLS * grid_spacing or far > FARTHEST_CELLS * grid_spacing:
+        raise ScenarioError(
+            "bodies",
+            f"span {extent:g} m and reach {far:g} m from the origin, must be at most "
+            f"{MOST_CELLS * grid_spacing:g} and {FARTHEST_CELLS * grid_spacing:g} m at cells of "
+            f"{grid_spacing:g} m",
+            "Use larger cells, or move everything to the origin.",
+        )
     if box is None:
-        margin = max(LEAST_MARGIN, BOX_EXTENTS * float(np.max(highest - lowest)))
+        margin = max(LEAST_MARGIN, BOX_EXTENTS * extent)
+        margin = min(margin, 0.5 * (MOST_BOX_CELLS * grid_spacing - extent))
         low, high = lowest - margin, highest + margin
     else:
         low, high = box
+        size = float(np.max(high - low))
+        if size > MOST_BOX_CELLS * grid_spacing:
+            raise ScenarioError(
+                "box",
+                f"is {size:g} m large, must be at most {MOST_BOX_CELLS * grid_spacing:g} m at "
+                f"cells of {grid_spacing:g} m",
+                "Make it smaller, or leave out lower and upper.",
+            )
         outside = ~((position > low) & (position < high)).all(axis=1)
         if outside.any():
             index = int(np.flatnonzero(outside)[0])

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from vulnus.core.arrays import AnyArray, BoolArray, FloatArray, IndexArray, Vector3
-from vulnus.core.errors import ScenarioError
+from vulnus.core.errors import ScenarioError, StorageError
 from vulnus.core.handoff import ParticleFrame
 from vulnus.core.wound_report import BoneReport
 
-from .checked_values import one_of
+from .checked_values import is_a, one_of
 from .deformation import deformation_gradient
 from .experiment_wound import BROKEN, cavity_of, fragments_of, hole_in
 from .particle_reading import QUANTITIES, ParticleReading, TissueBody
@@ -91,11 +91,19 @@ class Fields:
 
     def inside(self, solid: Solid) -> Fields:
         """Only the particles that are inside the solid now."""
+        is_a("solid", solid, Solid, "Give a Block, Ball, Rod or other Solid.")
         return self.where(solid.contains(self.position))
 
     def where(self, chosen: BoolArray) -> Fields:
         """Only the particles that are chosen by (n,) of bool."""
-        arrays = {name: getattr(self, name)[chosen] for name in _ARRAYS}
+        mask = np.asarray(chosen)
+        if mask.dtype != np.bool_ or mask.shape != (len(self),):
+            raise ScenarioError(
+                "chosen",
+                f"has the shape {mask.shape} of {mask.dtype}, must be ({len(self)},) of bool",
+                "Compare an array of these fields, as fields.damage > 0.5.",
+            )
+        arrays = {name: getattr(self, name)[mask] for name in _ARRAYS}
         return Fields(time=self.time, body_names=self.body_names, **arrays)
 
     def arrays(self) -> dict[str, AnyArray]:
@@ -105,6 +113,7 @@ class Fields:
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest corner (3,) [m] of the material, half a particle around positions."""
+        self._refuse_nothing("extent")
         half = 0.5 * np.cbrt(self.volume * self.volume_ratio)[:, None]
         return (self.position - half).min(axis=0), (self.position + half).max(axis=0)
 
@@ -114,7 +123,7 @@ class Fields:
         A hole that is open to outside, as a track, ends flush with the surface. Holes narrower than
         about two distances between particles are not seen.
         """
-        return cavity_of(self).volume
+        return cavity_of(self).volume if len(self) else 0.0
 
     def hole_area(
         self,
@@ -133,6 +142,7 @@ class Fields:
         looked at most, 4/3 of how far a hole may reach (default: as far as the surface goes). Gaps
         no wider than between particles are no holes. A quarter or half model: `mirrored` first.
         """
+        self._refuse_nothing("hole_area")
         return hole_in(
             self,
             centre,
@@ -142,14 +152,18 @@ class Fields:
             damage_threshold=damage_threshold,
         )
 
-    def fragments(self, damage_threshold: float = BROKEN) -> BoneReport:
+    def fragments(
+        self, *, strain_rate: float | None = None, damage_threshold: float = BROKEN
+    ) -> BoneReport:
         """Pieces that no longer hang together with a main part, heaviest first.
 
         `mass` [kg] of all, `fragments` with `mass` [kg], `position` [m] and `points` of each, and
         `debris_mass` [kg] of what is destroyed (damage from `damage_threshold`) or in pieces of
         fewer than four particles. A piece of a tenth of the whole is a main part, no fragment.
+        With the `strain_rate` [1/s] of the blow, about speed over diameter, `debris_piece_mass`
+        [kg] is that of a typical piece of crushed cortical bone; without, all of the debris.
         """
-        return fragments_of(self, damage_threshold)
+        return fragments_of(self, strain_rate=strain_rate, damage_threshold=damage_threshold)
 
     def mirrored(self, point: Vector3, normal: Axis) -> Fields:
         """With the mirror image at a plane: the whole of which a half was computed.
@@ -172,9 +186,15 @@ class Fields:
         }
         return Fields(time=self.time, body_names=self.body_names, **arrays)
 
+    def _refuse_nothing(self, what: str) -> None:
+        if not len(self):
+            raise ScenarioError(
+                what, "there are no particles in these fields", "Choose among more of them."
+            )
+
     def save(self, path: str | Path) -> Path:
         """Write all arrays to a NumPy .npz file; `np.load(path)["pressure"]` reads one."""
-        return write_arrays(Path(path), self.arrays())
+        return write_arrays(path, self.arrays())
 
     def frame(self, index: int = 0) -> ParticleFrame:
         """The particles for `vulnus.storage.FrameSeries`, which writes VTKHDF for ParaView."""
@@ -214,9 +234,20 @@ def fields_from_arrays(arrays: Mapping[str, AnyArray], body_names: tuple[str, ..
     return Fields(time=float(arrays["time"]), body_names=body_names, **rest)
 
 
-def write_arrays(path: Path, arrays: Mapping[str, AnyArray]) -> Path:
+def write_arrays(path: str | Path, arrays: Mapping[str, AnyArray]) -> Path:
     """Write arrays to a NumPy .npz file."""
-    if path.suffix != ".npz":
-        raise ScenarioError("path", f"{path} does not end in .npz", "Name it NAME.npz.")
-    np.savez_compressed(path, **dict(arrays))  # type: ignore[arg-type]
-    return path
+    is_a("path", path, (str, Path), "Give the path of a file NAME.npz.")
+    file = Path(path)
+    if file.suffix != ".npz":
+        raise ScenarioError("path", f"{file} does not end in .npz", "Name it NAME.npz.")
+    if not file.parent.is_dir():
+        raise StorageError(
+            str(file), f"the folder {file.parent} does not exist", "Make it, or name another."
+        )
+    try:
+        np.savez_compressed(file, **dict(arrays))  # type: ignore[arg-type]
+    except OSError as error:
+        raise StorageError(
+            str(file), f"cannot be written ({error.strerror})", "Check its folder."
+        ) from error
+    return file

@@ -11,7 +11,7 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from .checked_values import one_of, points
+from .checked_values import numbers, one_of, points
 from .experiment_checks import free_name
 from .initial_state import Given, initial_state, volume_ratio
 from .material_model import CAPACITY, Material
@@ -193,9 +193,8 @@ def fill(
 
 def _volumes(name: str, volume: Any, count: int) -> FloatArray:
     try:
-        given = np.asarray(volume, dtype=np.float64)
-        values = np.ascontiguousarray(np.broadcast_to(given, (count,)))
-    except (TypeError, ValueError):
+        values = np.ascontiguousarray(np.broadcast_to(numbers(volume), (count,)))
+    except ValueError:
         raise ScenarioError(
             f"{name}: volume",
             f"does not fit {count} particles",
@@ -210,10 +209,17 @@ def _volumes(name: str, volume: Any, count: int) -> FloatArray:
 
 
 def _velocities(name: str, velocity: Any, position: FloatArray) -> FloatArray:
-    given = velocity(position) if callable(velocity) else velocity
     try:
-        values = np.array(np.broadcast_to(np.asarray(given, np.float64), position.shape))
-    except (TypeError, ValueError):
+        given = velocity(position) if callable(velocity) else velocity
+    except Exception as error:
+        raise ScenarioError(
+            f"{name}: velocity",
+            f"the function failed with {type(error).__name__}: {error}",
+            "It takes positions (n, 3) [m] and gives velocities (n, 3) [m/s].",
+        ) from error
+    try:
+        values = np.array(np.broadcast_to(numbers(given), position.shape))
+    except ValueError:
         raise ScenarioError(
             f"{name}: velocity",
             f"does not fit {len(position)} particles",

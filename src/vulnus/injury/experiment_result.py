@@ -12,7 +12,7 @@ from vulnus.core.arrays import FloatArray
 from vulnus.core.errors import ScenarioError
 from vulnus.core.wound_report import EnergyDeposit, WoundTract
 
-from .checked_values import one_of, positive
+from .checked_values import finite, one_of, positive
 from .experiment_fields import Fields, write_arrays
 from .experiment_wound import BROKEN, flight_path, tract_of
 from .tract import ENERGY_BIN, energy_along
@@ -204,15 +204,16 @@ class ExperimentResult:
 
     def snapshot(self, time: float) -> Fields:
         """The snapshot nearest to `time` [s]."""
+        wanted = finite("time", time)
         if not self.snapshots:
             raise ScenarioError(
                 "snapshots", "none were taken", "Give run(snapshot_interval=...) [s]."
             )
-        return min(self.snapshots, key=lambda fields: abs(fields.time - time))
+        return min(self.snapshots, key=lambda fields: abs(fields.time - wanted))
 
     def save(self, path: str | Path) -> Path:
         """Write all curves to a NumPy .npz file under their full names, see `columns`."""
-        return write_arrays(Path(path), self.columns)
+        return write_arrays(path, self.columns)
 
     def _below(self, prefix: str) -> dict[str, FloatArray]:
         start = prefix + "/"

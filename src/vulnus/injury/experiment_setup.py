@@ -12,7 +12,8 @@ from vulnus.core.units import DEGREE
 
 from . import experiment_checks as checks
 from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall, WallKind
-from .checked_values import finite, not_negative, one_of, positive, vector
+from .checked_values import finite, not_negative, one_of, positive, vector, whole_number
+from .experiment_checks import UNBOUNDED
 from .experiment_particles import Arrangement, ParticleStore, Velocity, fill
 from .initial_state import Given
 from .labelled_bodies import label_bodies
@@ -26,8 +27,6 @@ from .sensors import Sensor
 from .solids import Solid, triple
 from .solver import Precision
 
-UNBOUNDED = 1e30
-"""A place [m] that nothing reaches."""
 ON_THE_PLANE = 1e-6
 """Cells that a boundary reaches further, so that nodes on its plane count as behind it [chosen: far
 above round-off]."""
@@ -48,12 +47,12 @@ class ExperimentSetup:
         upper: Vector3 | None = None,
         grid_offset: Vector3 = (0.0, 0.0, 0.0),
     ) -> None:
-        self.grid_spacing = positive("grid_spacing", grid_spacing)
+        self.grid_spacing = checks.cell(grid_spacing)
         self.gravity = vector("gravity", gravity)
         self.courant_number = checks.courant_number(courant_number)
         one_of("precision", precision, ("float32", "float64"))
         self.precision: Precision = precision
-        self.threads = int(not_negative("threads", threads))
+        self.threads = whole_number("threads", threads, checks.MOST_THREADS)
         self._box = checks.given_box(lower, upper)
         self._grid_offset = vector("grid_offset", grid_offset)
         self._store = ParticleStore()
@@ -115,6 +114,7 @@ class ExperimentSetup:
         self._refuse_after_start("add_points")
         chosen = self._store.free_name(name, "points")
         self._store.add(chosen, position, volume, material, velocity=velocity)
+        checks.points_together(self._store.fillings, self.grid_spacing)
         return chosen
 
     def add_labels(
@@ -338,6 +338,8 @@ class ExperimentSetup:
 
     def _ends(self, axis: Axis, lower: float, upper: float) -> dict[str, Any]:
         low, high = finite("lower", lower), finite("upper", upper)
+        if low <= -UNBOUNDED and high >= UNBOUNDED:
+            raise ScenarioError("lower", "is missing, and so is upper", "Give one or both [m].")
         if not low < high:
             raise ScenarioError(
                 "upper", f"is {high:g} m, must be above lower {low:g} m", "Swap them?"

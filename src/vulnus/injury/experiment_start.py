@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,16 +12,16 @@ from vulnus.core.arrays import FloatArray, Vector3
 
 from . import experiment_checks as checks
 from .boundaries import Boundary, Wall
+from .boundary_checks import check_boundaries, refuse_half_bodies
 from .experiment_particles import Filling, ParticleStore
+from .filling_checks import thickest_part
 from .flight import Flight, refuse_start_inside
 from .materials import material_table
 from .particle_reading import JoinedParticles, TissueBody
 from .projectile_launch import Launch
 from .rigid_body import RigidBody
+from .rigid_body_checks import refuse_misfits, warn_of_body
 from .solver import MpmSolver, Precision
-
-LEAST_PROJECTILE_CELLS = 5.0
-"""Cells across a projectile below which its depth depends on the grid (PHYSICS 1.6)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,15 +74,25 @@ def start(
         )
         for name, body in rigid.items()
     )
-    for body in bodies:
-        refuse_start_inside(body, particles, settings.grid_spacing)
-        _warn_of_coarse_grid(body, settings.grid_spacing)
+    flights = tuple(Flight(body, particles) for body in bodies)
+    spacing = settings.grid_spacing
+    box = checks.box_around(particles.position, settings.box, spacing, settings.grid_offset)
+    check_boundaries(
+        boundaries, particles.position, grid_spacing=spacing, grid_offset=settings.grid_offset
+    )
+    refuse_misfits(bodies, box, spacing)
+    refuse_half_bodies(boundaries, bodies, flights, spacing)
+    for body, flight in zip(bodies, flights, strict=True):
+        refuse_start_inside(body, particles, spacing)
+        warn_of_body(body, flight, spacing)
     return StartedExperiment(
-        solver=_filled_solver(settings, store, particles, bodies, boundaries),
+        solver=_filled_solver(
+            settings, store, particles, bodies=bodies, boundaries=boundaries, box=box
+        ),
         particles=particles,
         tissue=store.bodies,
         rigid=bodies,
-        flights=tuple(Flight(body, particles) for body in bodies),
+        flights=flights,
     )
 
 
@@ -91,17 +100,16 @@ def _filled_solver(
     settings: GridSettings,
     store: ParticleStore,
     particles: JoinedParticles,
+    *,
     bodies: Sequence[RigidBody],
     boundaries: Sequence[Boundary],
+    box: tuple[Vector3, Vector3],
 ) -> MpmSolver:
-    lower, upper = checks.box_around(
-        particles.position, settings.box, settings.grid_spacing, settings.grid_offset
-    )
     solver = MpmSolver(
         materials=material_table(store.materials, settings.grid_spacing),
         grid_spacing=settings.grid_spacing,
-        lower=lower,
-        upper=upper,
+        lower=box[0],
+        upper=box[1],
         courant_number=settings.courant_number,
         gravity=settings.gravity,
         bodies=bodies,
@@ -131,15 +139,8 @@ def _check_resolution(
         for one in boundaries
         for other in boundaries
     )  # fmt: skip
-    checks.body_resolved(filling.name, filling.solid, grid_spacing, confined=confined)
-
-
-def _warn_of_coarse_grid(body: RigidBody, grid_spacing: float) -> None:
-    cells = 2.0 * body.shape.inner_radius / grid_spacing
-    if cells < LEAST_PROJECTILE_CELLS * (1.0 - 1e-6) and not body.cutting:
-        warnings.warn(
-            f"{body.name} is {cells:.1f} cells across; its depth depends on the grid below "
-            f"{LEAST_PROJECTILE_CELLS:g}: use a grid_spacing of at most "
-            f"{2.0 * body.shape.inner_radius / LEAST_PROJECTILE_CELLS:.3g} m",
-            stacklevel=5,
-        )
+    point_spacing = float(np.cbrt(filling.volume.mean()))
+    thickest = thickest_part(filling.solid, filling.position, point_spacing)
+    checks.body_resolved(
+        filling.name, filling.solid, grid_spacing, thickest=thickest, confined=confined
+    )

@@ -20,7 +20,7 @@ class Flight:
     """A body's straight line of flight as it was aimed, and the depth along it."""
 
     def __init__(self, body: RigidBody, particles: JoinedParticles) -> None:
-        self._outline = Outline.of(body.shape)
+        self.outline = Outline.of(body.shape)
         self.direction = aimed_direction(body)
         self._start = np.asarray(body.place)
         self._entry = float("nan")
@@ -29,7 +29,7 @@ class Flight:
                 body.shape, body.turn, body.place, self.direction, particles, start=0.0
             )
             if way is not None:
-                self._entry = way + self._outline.reach(self.direction, body.turn)
+                self._entry = way + self.outline.reach(self.direction, body.turn)
 
     @property
     def meets_tissue(self) -> bool:
@@ -44,7 +44,7 @@ class Flight:
         if self.direction is None:
             return float("nan")
         way = float((state.position - self._start) @ self.direction)
-        return way + self._outline.reach(self.direction, state.rotation, time) - self._entry
+        return way + self.outline.reach(self.direction, state.rotation, time) - self._entry
 
     def foremost(self, state: BodyState, time: float) -> FloatArray:
         """Place (3,) [m] ahead of the centre along the flight, as far as the foremost point is.
@@ -57,7 +57,7 @@ class Flight:
         onwards = float(state.velocity @ self.direction) > 0.0
         heading = state.velocity / speed if onwards else self.direction
         ahead: FloatArray = (
-            state.position + self._outline.reach(heading, state.rotation, time) * heading
+            state.position + self.outline.reach(heading, state.rotation, time) * heading
         )
         return ahead
 

@@ -115,7 +115,7 @@ def test_a_body_thinner_than_two_cells_unless_between_walls() -> None:
     experiment.add_body(plate, material=SOLID, name="plate")
     with pytest.raises(ScenarioError, match=r"plate: is 0.002 m thin, 1 cells of 0.002 m"):
         experiment.run(until=1e-6)
-    slice_ = Experiment(grid_spacing=2e-3)
+    slice_ = Experiment(grid_spacing=2e-3, grid_offset=(0, 0, 1e-3))
     slice_.add_body(plate, material=SOLID)
     slice_.add_wall(point=(0, 0, -1e-3), normal="z")
     slice_.add_wall(point=(0, 0, 1e-3), normal=(0, 0, -1))
