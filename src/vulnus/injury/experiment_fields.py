@@ -161,7 +161,7 @@ class Fields:
         `debris_mass` [kg] of what is destroyed (damage from `damage_threshold`) or in pieces of
         fewer than four particles. A piece of a tenth of the whole is a main part, no fragment.
         With the `strain_rate` [1/s] of the blow, about speed over diameter, `debris_piece_mass`
-        [kg] is that of a typical piece of crushed cortical bone; without, all of the debris.
+        [kg] is that of a typical piece of crushed cortical bone; without, 0.
         """
         return fragments_of(self, strain_rate=strain_rate, damage_threshold=damage_threshold)
 

@@ -66,7 +66,7 @@ def flight_path(body: RigidBodyRecord) -> FlightPath:
 
     last_before = max(first - 1, 0)
 
-    def since_contact(values: FloatArray, part: float = part) -> FloatArray:
+    def since_contact(values: FloatArray) -> FloatArray:
         contact = values[first] + part * (values[last_before] - values[first])
         return np.concatenate([[contact], values[first:]])
 
@@ -74,7 +74,7 @@ def flight_path(body: RigidBodyRecord) -> FlightPath:
         time=since_contact(body.time),
         position=since_contact(place),
         speed=since_contact(body.speed),
-        work=since_contact(body.work, part=1.0),  # there was none before contact
+        work=np.concatenate([[0.0], body.work[first:]]),  # none is lost that nodes felt before
     )
 
 
@@ -105,8 +105,12 @@ def cavity_of(fields: Fields) -> Cavity:
     return find_cavity(fields.position, spacing, volume=fields.volume)
 
 
-def fragments_of(fields: Fields, damage_threshold: float) -> BoneReport:
+def fragments_of(
+    fields: Fields, *, strain_rate: float | None, damage_threshold: float
+) -> BoneReport:
     """The pieces of what has broken; see `Fields.fragments`."""
+    if strain_rate is not None:
+        positive("strain_rate", strain_rate)
     if len(fields) < 2:
         return BoneReport(mass=float(fields.mass.sum()), debris_mass=0.0, fragments=())
     return bone_report(
@@ -115,6 +119,7 @@ def fragments_of(fields: Fields, damage_threshold: float) -> BoneReport:
         fields.mass,
         fields.damage < damage_threshold,
         spacing=least_spacing(fields.reference_position),
+        strain_rate=strain_rate,
     )
 
 
