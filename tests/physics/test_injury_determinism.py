@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from reference.mpm_limb import synthetic_limb
+from reference.same_bits import MemoryCheckpoint, assert_same_bits
 
 from vulnus.core.errors import StorageError
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters, shoot
@@ -28,26 +27,6 @@ PARAMETERS = InjuryParameters(
 )
 
 
-class MemoryCheckpoint:
-    """Keeps every state; stops the run after `stop_after` saves, as a kill would."""
-
-    def __init__(self, *, stop_after=None, newest=None):
-        self.saved, self.stop_after, self.newest = [], stop_after, newest
-
-    def load(self):
-        return self.newest
-
-    def due(self):
-        return True
-
-    def save(self, data):
-        self.saved.append(
-            {k: np.copy(v) if isinstance(v, np.ndarray) else v for k, v in data.items()}
-        )
-        if self.stop_after == len(self.saved):
-            raise KeyboardInterrupt
-
-
 @pytest.fixture(scope="module")
 def limb():
     return synthetic_limb(spacing=0.002, length=0.07)
@@ -57,26 +36,6 @@ def limb():
 def reference_run(limb):
     frames = []
     return shoot(limb, PARAMETERS, on_frame=frames.append), frames
-
-
-def assert_same_bits(a, b):
-    """Every number of two hand-offs, as deep as they go; the speed of computing is not compared."""
-    if isinstance(a, np.ndarray):
-        assert np.array_equal(a, b)
-    elif dataclasses.is_dataclass(a):
-        for field in dataclasses.fields(a):
-            if field.name != "particle_steps_per_second":
-                assert_same_bits(getattr(a, field.name), getattr(b, field.name))
-    elif isinstance(a, Mapping):
-        assert a.keys() == b.keys()
-        for key in a:
-            assert_same_bits(a[key], b[key])
-    elif isinstance(a, tuple):
-        assert len(a) == len(b)
-        for one, other in zip(a, b, strict=True):
-            assert_same_bits(one, other)
-    else:
-        assert a == b
 
 
 def test_two_threads_give_the_bits_of_one(limb, reference_run):
