@@ -43,7 +43,7 @@ class Experiment(ExperimentSetup):
     step, 0.3 to 0.4. `precision` is that of the arithmetic: "float32", or "float64" where round-off
     counts. `threads` 0 takes OMP_NUM_THREADS, or all processors where that is not set; the result
     does not depend on it. `lower` and `upper` [m] are corners of the box that no particle may
-    leave; without them it reaches five times the extent of the bodies, and at least 0.5 m, beyond
+    leave; without them it reaches five times the extent of the bodies, and at least 20 m, beyond
     them.
     """
 

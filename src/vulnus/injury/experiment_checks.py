@@ -24,7 +24,7 @@ LARGE_CELL = 0.1  # [m] [chosen: no limb is resolved with it, but 1 mm given as 
 LEAST_CELLS = 2.0
 """Cells across the thinnest part of a body; fewer have no bending and half their stiffness."""
 BOX_EXTENTS = 5.0  # extents of the bodies beyond them to each side [chosen: room to fly]
-LEAST_MARGIN = 0.5  # [m] [chosen: 1 ms at 500 m/s]
+LEAST_MARGIN = 20.0  # [m] [chosen: debris of 1 km/s for 20 ms; empty space costs nothing]
 MOST_BOX_CELLS = 2.0**20
 """Cells along an edge of the box at most [D: the grid counts 2^20 to each side of its middle]."""
 MOST_CELLS = 2.0**19  # that the bodies may span, which leaves room around them
