@@ -196,6 +196,10 @@ def summary_rows(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "entry wound", _shown(wound.get("entry_area_mm2"), "mm²")
         hole, report = wound.get("exit_area_mm2"), wound.get("report") or {}
         yield "exit wound", "none" if report and hole is None else _shown(hole, "mm²")
+        for number, other in enumerate(wound.get("holes", [])[1:], start=2):
+            inward, outward = other["entry_area_mm2"], other["exit_area_mm2"]
+            out = "no exit" if outward is None else f"exit {_shown(outward, 'mm²')}"
+            yield f"projectile {number}", f"entry {_shown(inward, 'mm²')}, {out}"
         yield from _report_rows(report)
     if bleeding.get("duration_s"):
         outside = _shown(bleeding["out_of_limb_ml"] + bleeding["removed_ml"], "ml")

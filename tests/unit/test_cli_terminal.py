@@ -130,6 +130,15 @@ def test_a_summary_without_a_cut_says_so() -> None:
     assert dict(summary_rows({})) == {}
 
 
+def test_a_summary_tells_of_every_projectiles_holes() -> None:
+    first = {"entry_area_mm2": 60.0, "exit_area_mm2": 80.0}
+    others = [{"entry_area_mm2": 50.0, "exit_area_mm2": None}, first]
+    rows = dict(summary_rows({"wound": {**first, "holes": [first, *others]}}))
+    assert rows["exit wound"] == "80 mm²"
+    assert rows["projectile 2"] == "entry 50 mm², no exit"
+    assert rows["projectile 3"] == "entry 60 mm², exit 80 mm²"
+
+
 def test_a_summary_tells_of_the_cavity_and_of_a_projectile_that_stays_inside() -> None:
     report = {
         "temporary_cavity_ml": 121.0,

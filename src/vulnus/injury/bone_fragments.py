@@ -49,15 +49,8 @@ def bone_report(
     mass = np.asarray(mass, np.float64)
     if len(mass) == 0:
         return BoneReport(mass=0.0, debris_mass=0.0, fragments=())
-    before = np.asarray(reference, np.float64)
     now = np.asarray(position, np.float64)
-    pairs = _neighbours(before, NEIGHBOUR_REACH * spacing)
-    bone_of = _components(len(mass), pairs)
-    length = np.linalg.norm(before[pairs[:, 0]] - before[pairs[:, 1]], axis=1)
-    apart = np.linalg.norm(now[pairs[:, 0]] - now[pairs[:, 1]], axis=1)
-    holds = whole[pairs].all(axis=1) & (apart < PARTED_STRETCH * np.maximum(length, spacing))
-    piece_of = _components(len(mass), pairs[holds])
-
+    bone_of, piece_of = _pieces(np.asarray(reference, np.float64), now, whole, spacing)
     bone_mass = np.bincount(bone_of, mass)
     members = np.bincount(piece_of, whole.astype(np.float64))
     piece_mass = np.bincount(piece_of, mass * whole)
@@ -80,6 +73,17 @@ def bone_report(
         debris_piece_mass=min(debris, crushed_piece_mass(strain_rate)) if strain_rate else 0.0,
         fragments=tuple(sorted(fragments, key=lambda piece: (-piece.mass, piece.position))),
     )
+
+
+def _pieces(
+    before: FloatArray, now: FloatArray, whole: BoolArray, spacing: float
+) -> tuple[IndexArray, IndexArray]:
+    """Number (n,) of the bone that each point was part of before, and of its piece now."""
+    pairs = _neighbours(before, NEIGHBOUR_REACH * spacing)
+    length = np.linalg.norm(before[pairs[:, 0]] - before[pairs[:, 1]], axis=1)
+    apart = np.linalg.norm(now[pairs[:, 0]] - now[pairs[:, 1]], axis=1)
+    holds = whole[pairs].all(axis=1) & (apart < PARTED_STRETCH * np.maximum(length, spacing))
+    return _components(len(before), pairs), _components(len(before), pairs[holds])
 
 
 def crushed_piece_mass(strain_rate: float) -> float:

@@ -139,16 +139,12 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
         )
         for each, shot in zip(flying, shots, strict=True)
     )
-    lower, upper = domain_of(inside, shots[0], parameters)
-    solver = MpmSolver(
+    solver = _solver(
+        parameters,
         materials=materials,
-        grid_spacing=parameters.grid_spacing,
-        lower=lower,
-        upper=upper,
-        courant_number=parameters.courant_number,
-        gravity=parameters.gravity,
+        box=domain_of(inside, shots[0], parameters),
         bodies=bodies,
-        boundaries=ends_of(window, parameters),
+        ends=ends_of(window, parameters),
     )
     solver.set_particles(inside, volume=limb.volume[simulated], material=limb.tissue[simulated])
     stations = tuple(
@@ -166,6 +162,27 @@ def prepare_shot(limb: LimbModel, parameters: InjuryParameters) -> ShotSetup:
         stations=stations,
         tracer_range=tracer_range,
         tracer_inside=tracer_inside,
+    )
+
+
+def _solver(
+    parameters: InjuryParameters,
+    *,
+    materials: FloatArray,
+    box: tuple[Vector3, Vector3],
+    bodies: Sequence[RigidBody],
+    ends: Sequence[Boundary],
+) -> MpmSolver:
+    """The solver without its particles."""
+    return MpmSolver(
+        materials=materials,
+        grid_spacing=parameters.grid_spacing,
+        lower=box[0],
+        upper=box[1],
+        courant_number=parameters.courant_number,
+        gravity=parameters.gravity,
+        bodies=bodies,
+        boundaries=ends,
     )
 
 

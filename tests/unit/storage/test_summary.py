@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from reference.injury_outcomes import injury_outcome
 
-from vulnus.core.handoff import BleedLedger, BleedOutcome, BleedWaveforms
+from vulnus.core.handoff import BleedLedger, BleedOutcome, BleedWaveforms, ProjectileHoles
 from vulnus.storage import summarise
 
 from .test_handoff_file import injured_limb
@@ -80,6 +80,35 @@ def test_both_states_and_the_report_are_told() -> None:
     assert report["permanent_cavity_ml"] == pytest.approx(1.0)
     assert [vessel["kind"] for vessel in report["arteries"]] == ["transected", "intact"]
     assert report["arteries"][1]["nearest_distance_mm"] is None
+    assert report["cavity_collapsed"] is False
+    assert (report["collapse_time_ms"], report["end_time_ms"]) == (None, 2.0)
+    assert report["bone"]["debris_pieces"] == 0
+    assert report["notes"] == []
+    assert report["projectiles"][0]["tract_length_mm"] == pytest.approx(40.0)
     assert report["bone"]["fragment_masses_g"] == pytest.approx([1.0])
     chosen = dataclasses.replace(outcome, bleeds_from="temporary")
     assert summarise(chosen, None, COST)["wound"]["entry_area_mm2"] == pytest.approx(64.0)
+
+
+def test_the_holes_of_every_projectile_and_crushed_pieces_are_told() -> None:
+    other = ProjectileHoles((0.0, 0.01, 0.0), 3e-5, None, None)
+    limb = dataclasses.replace(injured_limb(), other_holes=(other,))
+    made = injury_outcome(limb)
+    bone = dataclasses.replace(made.report.bone, debris_piece_mass=5e-5)
+    report = dataclasses.replace(made.report, bone=bone, collapse_time=1.5e-3)
+    wound = summarise(dataclasses.replace(made, report=report), None, COST)["wound"]
+    first, second = wound["holes"]
+    assert (first["entry_area_mm2"], first["exit_area_mm2"]) == pytest.approx((64.0, 110.0))
+    assert first["entry_point_mm"] == wound["entry_point_mm"]
+    assert second["entry_point_mm"] == pytest.approx([0.0, 10.0, 0.0])
+    assert second["entry_area_mm2"] == pytest.approx(30.0)
+    assert second["exit_area_mm2"] is second["exit_point_mm"] is None
+    assert wound["report"]["collapse_time_ms"] == pytest.approx(1.5)
+    assert wound["report"]["bone"]["debris_pieces"] == 40  # 2 g of 50 mg
+
+
+def test_skin_that_has_become_sparse_is_told() -> None:
+    bled = dataclasses.replace(outcome(1.0, [1e-6]), skin_open_area=2e-6, skin_sparse_area=3e-6)
+    bleeding = summarise(injury_outcome(injured_limb()), bled, COST)["bleeding"]
+    assert bleeding["skin_open_area_mm2"] == pytest.approx(2.0)
+    assert bleeding["skin_sparse_area_mm2"] == pytest.approx(3.0)
