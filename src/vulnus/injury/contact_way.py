@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -31,7 +32,7 @@ class Outline:
         """The outline of a shape, in the body's frame from its centre of mass."""
         if isinstance(shape, Sphere):
             return cls(shape.radius, shape.expansion_speed, np.zeros((0, 3)))
-        return cls(0.0, 0.0, _hull(shape))
+        return cls(0.0, 0.0, _hull(shape))  # type: ignore[arg-type]  # by identity
 
     def reach(self, direction: FloatArray, rotation: FloatArray, time: float = 0.0) -> float:
         """How far [m] the foremost point is ahead of the centre along a world `direction`."""
@@ -171,13 +172,18 @@ def _way_of_shape(
     return best
 
 
+@lru_cache(maxsize=16)
 def _hull(shape: Shape) -> FloatArray:
     """Corners (n, 3) [m] of the convex hull of the sampled inside."""
     from scipy.spatial import ConvexHull
 
     sampled = shape.distance
     assert sampled is not None  # every shape but the sphere is sampled
-    inside = np.argwhere(sampled.values <= 0.5 * sampled.spacing)
-    points = np.clip(sampled.lower + sampled.spacing * inside, shape.lower, shape.upper)
+    inside = sampled.values <= 0.5 * sampled.spacing
+    across = np.argwhere(inside.any(axis=2))
+    row = inside[across[:, 0], across[:, 1]]
+    first, last = row.argmax(axis=1), row.shape[1] - 1 - row[:, ::-1].argmax(axis=1)
+    ends = np.concatenate([np.column_stack([across, first]), np.column_stack([across, last])])
+    points = np.clip(sampled.lower + sampled.spacing * ends, shape.lower, shape.upper)
     corners: FloatArray = points[ConvexHull(points).vertices]
     return corners

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vulnus.core.arrays import Vector3
 
@@ -37,11 +37,10 @@ class Launch:
             return self._at(self.centre)
         assert self.target is not None  # add_projectile asks for one of the two
         anywhere = self._at(self.target)
-        return self._at(
-            start_before_contact(
-                anywhere, particles, target=self.target, gap=GAP_CELLS * grid_spacing, name=name
-            )
+        start = start_before_contact(
+            anywhere, particles, target=self.target, gap=GAP_CELLS * grid_spacing, name=name
         )
+        return replace(anywhere, centre=start)
 
     def _at(self, centre: Vector3) -> RigidBody:
         return self.projectile.body(
