@@ -96,3 +96,29 @@ def test_the_time_does_not_depend_on_the_unit_of_volume(volume, factor):
     assert (collapse_time(history(small)) is None) == (
         collapse_time(history(factor * small)) is None
     )
+
+
+@settings(derandomize=True, max_examples=200, deadline=None)
+@given(
+    duration=st.none() | st.floats(1e-5, 0.2),
+    phase_one=st.floats(0.0, 0.2),
+    dense=st.floats(1e-5, 0.1),
+    sparse=st.floats(1e-5, 0.1),
+    thrust=st.floats(0.0, 0.1),
+    mode=st.sampled_from(["full", "paper"]),
+)
+def test_frames_follow_one_another_to_the_end(*, duration, phase_one, dense, sparse, thrust, mode):
+    parameters = InjuryParameters(
+        mode=mode, duration=duration, phase_one=phase_one, frame_interval=dense,
+        relaxation_frame_interval=sparse,
+    )  # fmt: skip
+    if duration is not None and duration < thrust:
+        with pytest.raises(ScenarioError, match="the blade is out"):
+            schedule(parameters, thrust)
+        return
+    plan = schedule(parameters, thrust)
+    times = np.array([0.0, *plan.times])
+    assert np.all(np.diff(times) > 0.0)
+    assert np.all(np.diff(times) <= max(dense, sparse) * (1.0 + 1e-6))
+    assert thrust <= plan.earliest <= plan.latest
+    assert duration in (None, plan.latest)
