@@ -32,18 +32,20 @@ def deformation_gradient(
     """
     from scipy.spatial import cKDTree
 
+    count = len(reference)
+    gradient = np.full((count, 3, 3), np.nan)
+    if count < 2:
+        return gradient
     reach = NEIGHBOUR_REACH * least_spacing(reference)
     pairs = cKDTree(reference).query_pairs(reach, output_type="ndarray")
     pairs = pairs[body[pairs[:, 0]] == body[pairs[:, 1]]]
     before = reference[pairs[:, 1]] - reference[pairs[:, 0]]
     now = position[pairs[:, 1]] - position[pairs[:, 0]]
     weight = 1.0 - np.einsum("ni,ni->n", before, before) / reach**2
-    count = len(reference)
     spread = _summed(before * weight[:, None], before, pairs, count)
     moved = _summed(now * weight[:, None], before, pairs, count)
     size = np.linalg.eigvalsh(spread)
     whole = size[:, 0] > LEAST_SPREAD * size[:, 2]
-    gradient = np.full((count, 3, 3), np.nan)
     gradient[whole] = moved[whole] @ np.linalg.inv(spread[whole])
     return gradient
 

@@ -90,7 +90,8 @@ class RigidBodyRecord:
 
         As fine as the samples are: take them at least every `interval`.
         """
-        return energy_along(flight_path(self), positive("interval", interval))
+        positive("interval", interval)
+        return energy_along(flight_path(self), interval)
 
     @property
     def speed(self) -> FloatArray:

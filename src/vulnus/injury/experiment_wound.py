@@ -14,7 +14,7 @@ from vulnus.core.wound_report import BoneReport, WoundTract
 from .body_track import FlightPath
 from .bone_fragments import bone_report
 from .cavity import Cavity, find_cavity
-from .checked_values import positive, vector
+from .checked_values import finite, positive, vector
 from .deformation import least_spacing
 from .rotations import Axis, axis_vector
 from .skin_holes import open_area
@@ -87,7 +87,7 @@ def tract_of(
     points = points_in_limb(path, final.reference_position, REACH * spacing)
     permanent = cavity_of(final)
     temporary = max([permanent, *map(cavity_of, states)], key=lambda cavity: cavity.volume)
-    broken = final.damage >= damage_threshold
+    broken = final.damage >= finite("damage_threshold", damage_threshold)
     return WoundTract(
         points=points,
         arc_length=arc_length_of(points),
@@ -117,7 +117,7 @@ def fragments_of(
         fields.reference_position,
         fields.position,
         fields.mass,
-        fields.damage < damage_threshold,
+        fields.damage < finite("damage_threshold", damage_threshold),
         spacing=least_spacing(fields.reference_position),
         strain_rate=strain_rate,
     )
@@ -152,7 +152,7 @@ def hole_in(
         area = open_area(
             surface.reference_position,
             surface.position,
-            surface.damage < damage_threshold,
+            surface.damage < finite("damage_threshold", damage_threshold),
             centre=(float(middle[0]), float(middle[1]), float(middle[2])),
             radius=seen,
             spacing=spacing,

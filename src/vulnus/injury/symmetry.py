@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from vulnus.core.arrays import FloatArray, Vector3
+from vulnus.core.errors import ScenarioError
 
-from .checked_values import vector
+from .checked_values import shown, vector
 from .rotations import Axis, axis_vector
 
 Plane = tuple[Vector3, Axis]
@@ -41,6 +42,13 @@ class Mirror:
 
 def mirrored_at_all(position: FloatArray, planes: Sequence[Plane]) -> FloatArray:
     """Positions (n, 3) [m] with their mirror images at one plane after the other."""
-    for point, normal in planes:
+    for plane in planes:
+        if isinstance(plane, str) or not isinstance(plane, Sequence) or len(plane) != 2:
+            raise ScenarioError(
+                "symmetry",
+                f"holds {shown(plane)}, must hold planes",
+                'Give a tuple of planes, each a point and a normal: (((0, 0, 0), "y"),).',
+            )
+        point, normal = plane
         position = np.concatenate([position, Mirror(point, normal).places(position)])
     return position

@@ -160,3 +160,17 @@ def test_a_cavity_sensor_of_a_quarter_counts_the_whole_hole():
         volumes.append(experiment.run(until=1e-7).sensor("hole")["volume"][0])
     assert volumes[0] == pytest.approx(0.008**3, rel=0.1)
     assert volumes[1] == pytest.approx(volumes[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("planes", [("x",), ((0, 0, 0), "x"), (((0, 0), "x"),), (1,)])
+def test_planes_that_are_none_are_refused(planes):
+    with pytest.raises(ScenarioError):
+        CavitySensor(symmetry=planes)
+
+
+def test_few_particles_have_no_gradient_and_no_fragments():
+    fields = block(size=(0.008, 0.008, 0.008))
+    for count in (0, 1):
+        few = fields.where(np.arange(len(fields)) < count)
+        assert np.isnan(few.deformation_gradient()).all()
+        assert few.fragments().fragments == ()
