@@ -225,7 +225,8 @@ def _report_rows(report: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     end = _shown(report["permanent_cavity_ml"], "ml")
     collapsed = report["collapse_time_ms"]
     how = "not collapsed" if collapsed is None else f"collapsed at {_shown(collapsed, 'ms')}"
-    yield "cavity", f"{_shown(largest, 'ml')} at {_shown(when, 'ms')}, {end} at the end, {how}"
+    told = f"{_shown(largest, 'ml')} at {_shown(when, 'ms')}, {end} at the end, {how}"
+    yield "cavity", told if largest else "none"
     yield "energy left", _shown(report["energy_left_j"], "J")
     for note in report.get("notes", ()):
         yield "note", note

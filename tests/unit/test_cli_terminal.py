@@ -156,4 +156,6 @@ def test_a_summary_tells_of_the_cavity_and_of_a_projectile_that_stays_inside() -
     report["collapse_time_ms"] = 8.0
     rows = dict(summary_rows({"wound": {**wound, "report": report}}))
     assert rows["cavity"].endswith("collapsed at 8 ms")
+    report["temporary_cavity_ml"] = 0.0
+    assert dict(summary_rows({"wound": {**wound, "report": report}}))["cavity"] == "none"
     assert rows["energy left"] == "341 J"
