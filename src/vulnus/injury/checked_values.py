@@ -18,6 +18,10 @@ from vulnus.core.errors import ScenarioError
 SHORTEST, LONGEST = 1e-9, 1e6
 """Lengths [m] that an experiment knows [chosen: their fifth powers stay far from over- and
 underflow, and no tissue is finer or larger]."""
+SQUARED = 1e-100, 1e100
+"""Numbers between these can be squared without over- or underflow."""
+FASTEST = 2e4
+"""Greatest speed [m/s] [chosen: twice the fastest projectiles of any gun]."""
 MOST_POINTS = 2e8
 """Points of one body [chosen: 50 GB of fields]."""
 LONGEST_SHOWN = 80  # characters [chosen: a line]
@@ -37,8 +41,12 @@ def finite(name: str, value: Any) -> float:
 
 def not_a_number(value: object) -> bool:
     """Whether something is no finite number."""
-    number = isinstance(value, numbers_abc.Real) and not isinstance(value, bool)
-    return not (number and math.isfinite(value))  # type: ignore[arg-type]
+    if not isinstance(value, numbers_abc.Real) or isinstance(value, bool):
+        return True
+    try:
+        return not math.isfinite(float(value))
+    except OverflowError:
+        return True
 
 
 def positive(name: str, value: Any) -> float:
@@ -57,6 +65,14 @@ def length(name: str, value: Any) -> float:
             name, f"is {number:g} m, must be {SHORTEST:g} to {LONGEST:g} m", ADVICE_SI
         )
     return number
+
+
+def not_too_fast(name: str, speed: float) -> None:
+    """Refuse a speed [m/s] that nothing shot or struck has."""
+    if not speed <= FASTEST:
+        raise ScenarioError(
+            f"{name} speed", f"is {speed:g} m/s, must be at most {FASTEST:g}", ADVICE_SI
+        )
 
 
 def whole_number(name: str, value: Any, most: int) -> int:
@@ -93,7 +109,8 @@ def unit_vector(name: str, value: Any) -> Vector3:
     largest = float(np.max(np.abs(array)))
     if largest == 0.0:
         raise ScenarioError(name, "has no direction: it is (0, 0, 0)", "Give (x, y, z).")
-    array = array / largest  # neither too large nor too small to be squared
+    if not SQUARED[0] < largest < SQUARED[1]:
+        array = array / largest
     x, y, z = (array / float(np.linalg.norm(array))).tolist()
     return x, y, z
 
@@ -133,6 +150,20 @@ def numbers(value: Any) -> FloatArray:
         return np.zeros(0) if given.dtype.kind != "O" else np.asarray(given, np.float64)
     except (TypeError, ValueError, OverflowError):
         return np.zeros(0)
+
+
+def given_or_made(name: str, given: Any, position: FloatArray) -> Any:
+    """What was given, or what a function that was given makes of positions (n, 3) [m]."""
+    if not callable(given):
+        return given
+    try:
+        return given(position)
+    except Exception as error:
+        raise ScenarioError(
+            name,
+            f"the function failed with {type(error).__name__}: {error}",
+            "It takes positions (n, 3) [m] and gives a value for each.",
+        ) from error
 
 
 def shown(value: Any) -> str:

@@ -20,7 +20,7 @@ from vulnus.core.errors import ScenarioError
 from vulnus.core.progress import Progress, SilentProgress
 from vulnus.core.units import MILLISECOND
 
-from .checked_values import has_methods, may_be_called, one_of, positive
+from .checked_values import has_methods, may_be_called, not_too_fast, one_of, positive
 from .experiment_fields import Fields, read_fields
 from .experiment_fingerprint import experiment_fingerprint
 from .experiment_record import Record
@@ -165,7 +165,7 @@ class Experiment(ExperimentSetup):
         cavity, when the waves of the impact are of no interest any more: strengths, networks and
         this moment's stress (Kirchhoff's) stay. Choose about ten times the speeds that still occur.
         """
-        positive("sound_speed", sound_speed)
+        not_too_fast("sound", positive("sound_speed", sound_speed))
         started = self._start()
         started.solver.change_materials(slowed(started.solver.materials, sound_speed))
 

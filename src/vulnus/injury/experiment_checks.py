@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from vulnus.core.arrays import FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from .checked_values import length, positive, shown, vector, warn_user
+from .checked_values import is_a, length, positive, shown, vector, warn_user
 from .filling_checks import THICKNESS_FOUND, refuse_scattered
 from .solids import Solid, triple
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 UNBOUNDED = 1e30
 """A place [m] that nothing reaches."""
 MOST_THREADS = 4096
+LEAST_COURANT = 1e-3  # [chosen: smaller steps only gather round-off]
 LARGE_CELL = 0.1  # [m] [chosen: no limb is resolved with it, but 1 mm given as 1 is found]
 LEAST_CELLS = 2.0
 """Cells across the thinnest part of a body; fewer have no bending and half their stiffness."""
@@ -41,6 +42,14 @@ def cell(grid_spacing: float) -> float:
     return spacing
 
 
+def keyed_by_labels(name: str, given: object) -> None:
+    """Refuse what does not tell something of each label."""
+    is_a(name, given, Mapping, "Give a dictionary by label: {3: ...}.")
+    assert isinstance(given, Mapping)
+    for label in given:
+        is_a(f"{name}: label", label, (int, np.integer), "Labels are whole numbers.")
+
+
 def points_together(fillings: list[Filling], grid_spacing: float) -> None:
     """Take back the newest filling, with an error, where its points make no body."""
     newest = fillings[-1]
@@ -52,8 +61,12 @@ def points_together(fillings: list[Filling], grid_spacing: float) -> None:
 
 
 def courant_number(value: float) -> float:
-    """The Courant number, refused outside (0, 1]."""
+    """The Courant number, refused outside [0.001, 1]."""
     number = positive("courant_number", value)
+    if number < LEAST_COURANT:
+        raise ScenarioError(
+            "courant_number", f"is {number:g}, must be >= {LEAST_COURANT:g}", "Use 0.3 to 0.4."
+        )
     if number > 1.0:
         raise ScenarioError("courant_number", f"is {number:g}, must be <= 1", "Use 0.3 to 0.4.")
     return number

@@ -11,7 +11,7 @@ import numpy as np
 from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
-from .checked_values import numbers, one_of, points
+from .checked_values import given_or_made, not_too_fast, numbers, one_of, points
 from .experiment_checks import free_name
 from .initial_state import Given, initial_state, volume_ratio
 from .material_model import CAPACITY, Material
@@ -209,20 +209,13 @@ def _volumes(name: str, volume: Any, count: int) -> FloatArray:
 
 
 def _velocities(name: str, velocity: Any, position: FloatArray) -> FloatArray:
-    try:
-        given = velocity(position) if callable(velocity) else velocity
-    except Exception as error:
-        raise ScenarioError(
-            f"{name}: velocity",
-            f"the function failed with {type(error).__name__}: {error}",
-            "It takes positions (n, 3) [m] and gives velocities (n, 3) [m/s].",
-        ) from error
-    try:
-        values = np.array(np.broadcast_to(numbers(given), position.shape))
-    except ValueError:
+    values = numbers(given_or_made(f"{name}: velocity", velocity, position))
+    if values.shape not in ((3,), position.shape):
         raise ScenarioError(
             f"{name}: velocity",
             f"does not fit {len(position)} particles",
             "Give (vx, vy, vz) [m/s], an array (n, 3), or a function of the positions (n, 3).",
-        ) from None
-    return points(f"{name}: velocity", values)
+        )
+    checked = points(f"{name}: velocity", np.array(np.broadcast_to(values, position.shape)))
+    not_too_fast(name, float(np.max(np.abs(checked))))
+    return checked

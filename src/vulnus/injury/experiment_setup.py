@@ -136,6 +136,8 @@ class ExperimentSetup:
         else "label 3" and so on.
         """
         self._refuse_after_start("add_labels")
+        checks.keyed_by_labels("materials", materials)
+        checks.keyed_by_labels("names", names or {})
         bodies = label_bodies(
             labels,
             wanted=tuple(materials),

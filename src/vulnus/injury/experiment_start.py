@@ -80,7 +80,7 @@ def start(
     check_boundaries(
         boundaries, particles.position, grid_spacing=spacing, grid_offset=settings.grid_offset
     )
-    refuse_misfits(bodies, box, spacing)
+    refuse_misfits(bodies, particles.position, spacing)
     refuse_half_bodies(boundaries, bodies, flights, spacing)
     for body, flight in zip(bodies, flights, strict=True):
         refuse_start_inside(body, particles, spacing)

@@ -7,6 +7,7 @@ import numpy as np
 from vulnus.core.arrays import FloatArray, Vector3
 from vulnus.core.errors import ProjectileError
 
+from .checked_values import unit_vector
 from .contact_way import Outline, way_to_contact
 from .particle_reading import JoinedParticles
 from .rigid_body import BodyState, RigidBody
@@ -53,9 +54,10 @@ class Flight:
         """
         if self.direction is None:
             return np.array(state.position)
-        speed = float(np.linalg.norm(state.velocity))
         onwards = float(state.velocity @ self.direction) > 0.0
-        heading = state.velocity / speed if onwards else self.direction
+        heading = self.direction
+        if onwards:
+            heading = np.array(unit_vector("velocity", state.velocity))
         ahead: FloatArray = (
             state.position + self.outline.reach(heading, state.rotation, time) * heading
         )
@@ -69,8 +71,7 @@ def aimed_direction(body: RigidBody) -> FloatArray | None:
         steps = np.diff(np.asarray(body.path.positions, np.float64), axis=0)
         moving = np.flatnonzero(np.linalg.norm(steps, axis=1) > 0.0)
         way = steps[moving[0]] if len(moving) else np.zeros(3)
-    length = float(np.linalg.norm(way))
-    return None if length == 0.0 else way / length
+    return np.array(unit_vector("direction", way)) if way.any() else None
 
 
 def start_before_contact(

@@ -6,7 +6,6 @@ A stress is turned into the elastic strain under which the material's own law gi
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from vulnus.core.arrays import AnyArray, FloatArray
 from vulnus.core.errors import ScenarioError
 
 from . import _native
-from .checked_values import numbers
+from .checked_values import given_or_made, numbers
 from .material_model import Material, material_table
 from .material_point import (
     COLUMNS,
@@ -153,8 +152,7 @@ class _Law:
 
 def _given(name: str, value: Given, position: FloatArray, shape: tuple[int, ...]) -> FloatArray:
     """A value for every particle (n, ...), refused where it does not fit or is not finite."""
-    given: Any = value(position) if callable(value) else value
-    array = numbers(given)
+    array = numbers(given_or_made(name, value, position))
     wanted = (len(position), *shape)
     fits = array.shape in (shape, wanted)
     if not fits or not np.isfinite(array).all():

@@ -10,7 +10,7 @@ from vulnus.core.arrays import AnyArray, FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 from vulnus.core.handoff import LabelVolume
 
-from .checked_values import positive, vector
+from .checked_values import length, numbers, refuse_too_many, vector
 from .solids import FilledPoints
 
 
@@ -54,7 +54,10 @@ def _geometry(
         if spacing is not None:
             raise ScenarioError("spacing", "a LabelVolume has its own", "Leave it out.")
         return labels.labels, np.asarray(labels.spacing), labels.origin, labels.direction
-    voxels = np.asarray(labels)
+    try:
+        voxels = np.asarray(labels)
+    except (TypeError, ValueError):
+        voxels = np.zeros(0)
     if voxels.ndim != 3 or voxels.dtype.kind not in "iub":
         raise ScenarioError(
             "labels",
@@ -63,9 +66,10 @@ def _geometry(
         )
     if spacing is None:
         raise ScenarioError("spacing", "is missing", "Give the edges of a voxel [m].")
-    edge = vector("spacing", np.broadcast_to(np.asarray(spacing, np.float64), (3,)))
-    for name, length in zip("xyz", edge, strict=True):
-        positive(f"spacing along {name}", length)
+    given = numbers(spacing)
+    edge = vector("spacing", np.full(3, given) if given.shape == () else spacing)
+    for name, along in zip("xyz", edge, strict=True):
+        length(f"spacing along {name}", along)
     return voxels, np.asarray(edge), np.asarray(vector("origin", origin)), np.eye(3)
 
 
@@ -74,6 +78,7 @@ def _lattice(
 ) -> tuple[FloatArray, AnyArray]:
     """Points inside the wanted voxels, from the middle of voxel (0, 0, 0), and their labels."""
     extent = edge * voxels.shape
+    refuse_too_many("labels", float(np.prod(extent / point_spacing)))
     counts = np.maximum(1, np.rint(extent / point_spacing)).astype(int)
     along = [(np.arange(n) + 0.5) / n for n in counts]  # parts of the extent
     index = [

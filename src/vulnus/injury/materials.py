@@ -17,6 +17,7 @@ from vulnus.core.arrays import FloatArray
 from vulnus.core.errors import ScenarioError
 from vulnus.core.handoff import Tissue
 
+from .checked_values import is_a
 from .material_model import (
     COLUMNS,
     UNLIMITED,
@@ -207,6 +208,7 @@ TISSUE_MATERIALS: Mapping[Tissue, Material] = {
 
 def material(name: str) -> Material:
     """The material of that name in `MATERIALS`; `ScenarioError` with the nearest name otherwise."""
+    is_a("material", name, str, f"Give one of {', '.join(MATERIALS)}.")
     if name in MATERIALS:
         return MATERIALS[name]
     near = difflib.get_close_matches(name.lower().replace(" ", "_"), MATERIALS, n=1, cutoff=0.5)

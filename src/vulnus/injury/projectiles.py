@@ -56,7 +56,7 @@ class Projectile:
 
     def __post_init__(self) -> None:
         """Refuse a shape that the table does not draw, and sizes that are none."""
-        if self.shape == "stl":
+        if isinstance(self.shape, str) and self.shape == "stl":
             raise ScenarioError(
                 f"{self.name}: shape",
                 "is 'stl', which the table does not draw",

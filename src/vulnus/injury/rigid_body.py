@@ -17,10 +17,10 @@ from vulnus.core.errors import ScenarioError
 
 from . import _native
 from .checked_values import (
-    ADVICE_SI,
     is_a,
     not_a_number,
     not_negative,
+    not_too_fast,
     numbers,
     shown,
     true_or_false,
@@ -46,9 +46,6 @@ SMALLEST_BLADE = 0.5
 
 SHAPE_KEYS = ("volume", "unit_inertia", "lower", "upper", "inner_radius", "distance")
 """What a shape of one's own must have, see `Shape`."""
-
-FASTEST = 2e4
-"""Greatest speed [m/s] of a body [chosen: twice the fastest projectiles of any gun]."""
 
 STATE_ROWS = {
     "position": slice(0, 3),
@@ -122,9 +119,9 @@ class RigidBody:
 
     def __post_init__(self) -> None:
         """Refuse what cannot move as told; numbers are kept as floats."""
-        if self.motion not in ("kinematic", "dynamic"):
+        if not isinstance(self.motion, str) or self.motion not in ("kinematic", "dynamic"):
             raise ScenarioError(
-                f"{self.name} motion", f"is {self.motion!r}", 'Use "kinematic" or "dynamic".'
+                f"{self.name} motion", f"is {shown(self.motion)}", 'Use "kinematic" or "dynamic".'
             )
         self._check_kinds()
         if self.centre is None and self.path is None:
@@ -132,7 +129,7 @@ class RigidBody:
                 f"{self.name} centre", "is missing", "Give its centre or a path to follow."
             )
         for key in ("centre", "velocity", "angular_velocity"):
-            if getattr(self, key) is not None:
+            if key != "centre" or self.centre is not None:
                 object.__setattr__(self, key, vector(f"{self.name} {key}", getattr(self, key)))
         not_too_fast(self.name, math.hypot(*self.velocity))
         friction = not_negative(f"{self.name} friction", self.friction)
@@ -264,14 +261,6 @@ class BodyState:
             angular_impulse=part["angular_impulse"],
             normal_impulse=float(part["normal_impulse"][0]),
             work=float(part["work"][0]),
-        )
-
-
-def not_too_fast(name: str, speed: float) -> None:
-    """Refuse a speed [m/s] that no projectile has."""
-    if not speed <= FASTEST:
-        raise ScenarioError(
-            f"{name} speed", f"is {speed:g} m/s, must be at most {FASTEST:g}", ADVICE_SI
         )
 
 

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from vulnus.core.arrays import FloatArray, Vector3
+from vulnus.core.arrays import FloatArray
 from vulnus.core.errors import ScenarioError
 
 from .checked_values import warn_user
@@ -19,22 +19,22 @@ from .shapes import Sphere
 
 LEAST_PROJECTILE_CELLS = 5.0
 """Cells across a projectile below which its depth depends on the grid (PHYSICS 1.6)."""
+LARGE = 1.0  # [m] [chosen: no projectile, blade or plate at a limb is larger]
+TIMES_LARGER = 20.0  # than the tissue [chosen: plates may be larger, millimetres as metres are]
 MOST_PROBES = 4000  # points of a body that are looked for in another [chosen: every cell of it]
 OVERLAP = 0.05  # cells [chosen: bodies that touch are no overlap]
 
 
-def refuse_misfits(
-    bodies: Sequence[RigidBody], box: tuple[Vector3, Vector3], grid_spacing: float
-) -> None:
-    """Refuse bodies that are larger than the box, far off, or in one another."""
-    room = float(np.max(np.subtract(box[1], box[0])))
+def refuse_misfits(bodies: Sequence[RigidBody], position: FloatArray, grid_spacing: float) -> None:
+    """Refuse bodies of another scale than the tissue at `position`, far off, or in one another."""
+    most = max(LARGE, TIMES_LARGER * float(np.max(np.ptp(position, axis=0))))
     for body in bodies:
         size = float(np.max(body.shape.upper - body.shape.lower))
-        if size > room:
+        if size > most:
             raise ScenarioError(
                 body.name,
-                f"is {size:g} m across, larger than the box of the experiment ({room:g} m)",
-                "Sizes are metres: 4.5e-3 is 4.5 mm. For a plate that large give lower and upper.",
+                f"is {size:g} m across, must be at most {most:g} m for tissue of this size",
+                "Sizes are metres: 4.5e-3 is 4.5 mm.",
             )
         if float(np.max(np.abs(body.place))) > FARTHEST_CELLS * grid_spacing:
             raise ScenarioError(

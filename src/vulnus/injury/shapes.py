@@ -16,7 +16,7 @@ import numpy as np
 from vulnus.core.arrays import FloatArray
 from vulnus.core.errors import ScenarioError
 
-from .checked_values import length, not_negative
+from .checked_values import length, not_negative, not_too_fast
 from .signed_distance import SignedDistance, SolidProperties, solid_properties
 
 
@@ -59,7 +59,8 @@ class Sphere:
     def __post_init__(self) -> None:
         """Refuse a radius that is not positive, and one that shrinks."""
         require_length("sphere radius", self.radius)
-        not_negative("sphere expansion_speed", self.expansion_speed)
+        growing = not_negative("sphere expansion_speed", self.expansion_speed)
+        not_too_fast("sphere expansion", growing)
 
     @property
     def volume(self) -> float:

@@ -8,12 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from vulnus.core.arrays import AnyArray, Float32Array, FloatArray
+from vulnus.core.errors import ScenarioError
 
 POINTS_ACROSS = 16
 """Sampling points across the thinnest part; chosen: volumes and inertia within 1 %."""
 
 MOST_POINTS = 3_000_000
 """Largest number of sampling points; chosen: 12 MB, and 5 s for the slowest shape."""
+
+COARSEST = 0.5
+"""Spacing of the samples over the thinnest part at most [chosen: two across still show it]."""
 
 DistanceFunction = Callable[[AnyArray, AnyArray, AnyArray], AnyArray]
 """Signed distance [m] at x, y, z [m] of one shape, which broadcast."""
@@ -58,6 +62,13 @@ def sampling_grid(
     """
     extent = upper - lower + 0.5 * thinnest
     spacing = max(thinnest / POINTS_ACROSS, float(np.prod(extent) / MOST_POINTS) ** (1.0 / 3.0))
+    if spacing > COARSEST * thinnest:
+        raise ScenarioError(
+            "shape",
+            f"with the edges {(upper - lower).tolist()} m is too slender to be sampled: it is "
+            f"{thinnest:g} m thin, {MOST_POINTS:g} points are {spacing:.2g} m apart",
+            "Make it thicker, smaller across, or check the units: lengths are metres.",
+        )
     half = np.ceil(0.5 * extent / spacing).astype(int) + 1
     nx, ny, nz = (int(2 * h + 1) for h in half)
     return 0.5 * (lower + upper) - half * spacing, spacing, (nx, ny, nz)

@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from vulnus import __version__
 from vulnus.core.checkpoint import CheckpointData
+from vulnus.core.errors import StorageError
 
 from .handoff_file import DamagedFileError, read_handoff, write_handoff
 
@@ -21,6 +22,8 @@ class FileCheckpoint:
     """
 
     def __init__(self, path: Path | str, interval: float, notice: Callable[[str], None]) -> None:
+        if not isinstance(path, Path | str):
+            raise StorageError("checkpoint path", f"is {path!r}", "Give the path of a file.")
         self.path = Path(path)
         self.interval = interval
         self._notice = notice
