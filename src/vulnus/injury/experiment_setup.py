@@ -137,7 +137,7 @@ class ExperimentSetup:
         """
         self._refuse_after_start("add_labels")
         checks.keyed_by_labels("materials", materials)
-        checks.keyed_by_labels("names", names or {})
+        checks.keyed_by_labels("names", {} if names is None else names)
         bodies = label_bodies(
             labels,
             wanted=tuple(materials),
