@@ -223,7 +223,7 @@ def shoot(tissue: str, speed: float, progress: Progress) -> Cavity:
 
 def shot(tissue: str, speed: float) -> Experiment:
     """Ball and block between two planes of symmetry along the line of flight."""
-    experiment = Experiment(grid_spacing=SPACING, lower=(-2.0,) * 3, upper=(2.0,) * 3)
+    experiment = Experiment(grid_spacing=SPACING)
     experiment.add_body(
         Block(size=(LENGTH, WIDTH, WIDTH), centre=(LENGTH / 2, WIDTH / 2, WIDTH / 2)),
         material=tissue,
