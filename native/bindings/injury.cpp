@@ -84,13 +84,21 @@ class Solver {
   }
 
   // New constants; `rescale` keeps the stress as it is, otherwise the strains stay (of a saved
-  // run).
-  void set_materials(Array2<double> rows, bool rescale) {
+  // run). Returns the elastic energy that the change has made [J].
+  double set_materials(Array2<double> rows, bool rescale) {
     const MaterialTable<double> table = make_table<double>(rows);
-    double speed = solver_.largest_sound_speed();
-    if (rescale) speed = exchange_materials(solver_.particles(), table_, table);
-    solver_.set_materials(make_table<T>(rows), speed);
+    const MaterialTable<T> own = make_table<T>(rows);
+    nb::gil_scoped_release release;
+    auto& set = solver_.particles();
+    double speed = solver_.largest_sound_speed(), made = 0;
+    if (rescale) {
+      made -= sum_energies(set, table_).elastic;
+      speed = exchange_materials(set, table_, table);
+      made += sum_energies(set, table).elastic;
+    }
+    solver_.set_materials(own, speed);
     table_ = table;
+    return made;
   }
 
   void make_particles(std::size_t n) { solver_.particles().reset(static_cast<int>(n)); }
@@ -248,6 +256,7 @@ void bind_solver(nb::module_& m, const char* name) {
           },
           nb::kw_only(), nb::arg("kind"), nb::arg("normal"), nb::arg("height"), nb::arg("velocity"),
           nb::arg("friction"), nb::arg("thickness"), nb::arg("rate"), nb::arg("exponent"))
+      .def("clear_boundaries", [](S& s) { s.native().boundaries().clear(); })
       .def("body_state", &S::body_state)
       .def("set_body_state", &S::set_body_state)
       .def("make_particles", &S::make_particles)
@@ -277,6 +286,9 @@ void bind_solver(nb::module_& m, const char* name) {
       .def_prop_ro("step_size", [](S& s) { return s.native().step_size(); })
       .def_prop_ro("sound_speed", [](S& s) { return s.native().largest_sound_speed(); })
       .def_prop_ro("memory_bytes", [](S& s) { return s.native().memory_bytes(); })
+      .def_prop_rw(
+          "contact_iterations", [](S& s) { return s.native().settings().contact_iterations; },
+          [](S& s, int most) { s.native().settings().contact_iterations = most; })
       .def_prop_ro("fault_bits", [](S& s) { return s.native().fault().bits(); })
       .def_prop_ro("fault_particle", [](S& s) { return s.native().fault().particle(); })
       .def_prop_ro("fault_body", [](S& s) { return s.native().faulty_body(); });

@@ -15,6 +15,7 @@ enum FaultBits : std::uint32_t {
   kLeftDomain = 1u << 2,
   kNeighbourOverflow = 1u << 3,
   kStepTooSmall = 1u << 4,
+  kUnsolvedContact = 1u << 5,
 };
 
 class FaultRecord {

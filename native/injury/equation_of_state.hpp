@@ -35,6 +35,33 @@ VULNUS_HD R volumetric_energy(const Material<R>& m, R trace) {
   return select(linear, square, m.bulk_modulus / n * curved);
 }
 
+// The strain t at which the pressure part is `wanted`, by Newton's method from t = 0 with steps up
+// to 1: the part grows and is concave from there on, so that it converges; in 6 iterations to
+// rounding for strengths up to a tenth of K, and in 6 a unit of strain beyond 1.
+template <class R>
+VULNUS_HD R volume_strain_at(const Material<R>& m, R wanted, int iterations) {
+  const R one = broadcast<R>(1);
+  const auto linear = m.volume_exponent <= R{};
+  const R n = select(linear, one, m.volume_exponent), a = m.volume_growth;
+  R t{};
+  for (int i = 0; i < iterations; ++i) {
+    const R up = exp_minus_one(a * t) + one, down = exp_minus_one((a - n) * t) + one;
+    const R slope = m.bulk_modulus * (a * up - (a - n) * down) / n;
+    const R step = (wanted - volumetric_kirchhoff(m, t)) / slope;
+    t += minimum(maximum(step, -one), one);
+  }
+  return select(linear, wanted / m.bulk_modulus, t);
+}
+
+// K of a straight law through 0 with the pressure part that the strain t has.
+template <class R>
+VULNUS_HD R secant_bulk_modulus(const Material<R>& m, R t) {
+  const auto strained = (m.volume_exponent > R{}) & (absolute(t) > broadcast<R>(1e-6));
+  if (!any(strained)) return m.bulk_modulus;
+  const R divisor = select(strained, t, broadcast<R>(1));
+  return select(strained, volumetric_kirchhoff(m, t) / divisor, m.bulk_modulus);
+}
+
 // Slope d(-J p)/dt over K, or the larger J^-n of strong compression: stiffer than either.
 template <class R>
 VULNUS_HD R volumetric_stiffening(const Material<R>& m, R trace) {

@@ -31,6 +31,7 @@ enum MaterialColumn {
 };
 
 constexpr int kMaterialCapacity = 16;
+constexpr double kUnlimited = 1e29;  // strengths above this are never reached
 
 template <class T>
 struct MaterialTable {

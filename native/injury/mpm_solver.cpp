@@ -1,8 +1,11 @@
 #include "injury/mpm_solver.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+
+#include "injury/particle_readings.hpp"
 
 namespace vulnus::injury {
 
@@ -14,19 +17,42 @@ constexpr double kDriftLimit = 0.8;  // of a cell; the tile's halo is one cell, 
 // Cells between two passages of momentum. Chosen: from 0.25 on the drag of a sphere of 5 cells in a
 // liquid is within 10 % of what it becomes; a particle's weights are true to the same part.
 constexpr double kPassageDrift = 0.25;
+// Of the step that the same speeds allow at rest; below this a run would not end. Chosen: water is
+// squeezed to a seventh of its volume there, under 300 TPa.
+constexpr double kCollapsedStep = 1e-3;
+constexpr double kBoundlessSpeed = 1e6;  // times waves at rest [chosen: no tissue moves so]
+constexpr double kLongCall = 0.05;       // [s] after which an epoch's start waits for the next call
+
+template <class T>
+double largest_resting_speed(const MaterialTable<T>& materials) {
+  double largest = 0;
+  for (int i = 0; i < kMaterialCapacity; ++i) {
+    const double shear =
+        double(materials.column[kShearModulus][i]) + materials.column[kNetworkModulus][i];
+    const double c2 =
+        (materials.column[kBulkModulus][i] + 4.0 / 3.0 * shear) / materials.column[kDensity][i];
+    largest = std::max(largest, std::sqrt(c2));
+  }
+  return largest;
+}
+
+double wall_clock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 }  // namespace
 
 template <class T>
 MpmSolver<T>::MpmSolver(const SolverSettings& settings, const MaterialTable<T>& materials)
     : settings_(settings), materials_(materials) {
-  for (int i = 0; i < kMaterialCapacity; ++i) {
-    const double shear =
-        double(materials.column[kShearModulus][i]) + materials.column[kNetworkModulus][i];
-    const double c2 =
-        (materials.column[kBulkModulus][i] + 4.0 / 3.0 * shear) / materials.column[kDensity][i];
-    sound_speed_ = std::max(sound_speed_, std::sqrt(c2));
-  }
+  sound_speed_ = resting_speed_ = largest_resting_speed(materials);
+}
+
+template <class T>
+void MpmSolver<T>::set_materials(const MaterialTable<T>& materials, double sound_speed) {
+  materials_ = materials;
+  sound_speed_ = sound_speed;
+  resting_speed_ = largest_resting_speed(materials);
 }
 
 template <class T>
@@ -34,7 +60,9 @@ void MpmSolver<T>::restore(double time, std::int64_t steps, double sound_speed) 
   time_ = time;
   steps_ = steps;
   sound_speed_ = sound_speed;
-  grid_ready_ = false;
+  stage_ = EpochStage::kOver;
+  fault_.clear();
+  faulty_body_ = -1;
 }
 
 // dt = C dx / (c + |v|), and |v| dt < 0.3 dx (PHYSICS 1.5).
@@ -68,11 +96,33 @@ double MpmSolver<T>::largest_particle_speed() const {
   return std::sqrt(double(largest));
 }
 
+// Of bodies and walls, which move nodes without a particle's doing.
 template <class T>
-double MpmSolver<T>::largest_body_speed() const {
+double MpmSolver<T>::largest_rigid_speed() const {
   double largest = 0;
   for (const RigidBody& body : bodies_) largest = std::max(largest, body.surface_speed());
+  for (const HalfSpace& wall : boundaries_)
+    largest = std::max(largest, std::hypot(wall.velocity[0], wall.velocity[1], wall.velocity[2]));
   return largest;
+}
+
+// Whether the next step is so small that the run would not end.
+template <class T>
+bool MpmSolver<T>::step_collapses(double speed, double stop_time) const {
+  const double calm = resting_speed_ + speed;
+  const bool stiff = !(calm >= kCollapsedStep * (sound_speed_ + speed));
+  const bool fast = !(speed < kBoundlessSpeed * resting_speed_);
+  return time_ < stop_time && (stiff || fast || !(time_ + clipped_step(speed, stop_time) > time_));
+}
+
+// Names what sets the step: a body, or the particle that is stiffest or fastest.
+template <class T>
+void MpmSolver<T>::report_collapse(double speed) {
+  for (std::size_t k = 0; k < bodies_.size() && sound_speed_ < speed; ++k)
+    if (bodies_[k].surface_speed() >= speed) faulty_body_ = static_cast<int>(k);
+  const int place =
+      sound_speed_ < speed ? fastest_point(particles_) : stiffest_point(particles_, materials_);
+  fault_.raise(kStepTooSmall, place < 0 ? 0 : particles_.id[place]);
 }
 
 template <class T>
@@ -83,26 +133,42 @@ void MpmSolver<T>::move_bodies(double dt) {
   }
 }
 
+// Sorts and scatters; whether that is done. What takes long is left to the next call.
 template <class T>
-void MpmSolver<T>::begin_epoch(double stop_time) {
-  particles_.sort(T(1 / settings_.grid_spacing), grid_);
-  step_ = clipped_step(std::max(largest_particle_speed(), largest_body_speed()), stop_time);
+bool MpmSolver<T>::start_epoch(double stop_time, double call_began) {
+  auto late = [&] { return wall_clock() - call_began > kLongCall; };
+  if (stage_ == EpochStage::kOver) {
+    if (late()) return false;
+    particles_.sort(T(1 / settings_.grid_spacing), grid_);
+    stage_ = EpochStage::kSorted;
+  }
+  if (late()) return false;
+  scatter_epoch(stop_time);
+  return !late();
+}
+
+template <class T>
+void MpmSolver<T>::scatter_epoch(double stop_time) {
+  const double fastest = std::max(largest_particle_speed(), largest_rigid_speed());
+  if (step_collapses(fastest, stop_time)) report_collapse(fastest);
+  step_ = clipped_step(fastest, stop_time);
   drift_ = 0;
-  begin_passage(largest_particle_speed(), stop_time);
+  begin_passage(fastest, stop_time);
   particle_pass<false, true>({0, step_, ahead_});
-  grid_ready_ = true;
+  stage_ = EpochStage::kRunning;
 }
 
 // The particles go ahead to where they will be in the middle of the steps that the nodes will keep
 // their momentum for, so that weights and places are right to the second order in time. Particles
-// move along the velocity that they carry, so that no angular momentum is lost.
+// move along the velocity that they carry, so that no angular momentum is lost. Where a passage
+// ends early, because speeds grew, they are too far ahead and step back.
 template <class T>
 void MpmSolver<T>::begin_passage(double speed, double stop_time) {
   const double cells = kPassageDrift * settings_.grid_spacing;
   const double left_in_epoch = kStepsPerEpoch - static_cast<double>(steps_ % kStepsPerEpoch);
   double steps = std::min<double>(left_in_epoch, settings_.passage_steps);
   if (steps * speed * step_ > cells) steps = std::max(1.0, std::floor(cells / (speed * step_)));
-  ahead_ = 0.5 * (std::min(steps * step_, stop_time - time_) - step_);
+  ahead_ = std::max(0.0, 0.5 * (std::min(steps * step_, stop_time - time_) - step_));
   since_passage_ = 0;
   kept_steps_ = 0;
   passage_drift_ = 0;
@@ -111,43 +177,49 @@ void MpmSolver<T>::begin_passage(double speed, double stop_time) {
 
 template <class T>
 int MpmSolver<T>::advance(int max_steps, double stop_time) {
+  const double call_began = wall_clock();
   int done = 0;
-  int in_epoch = 0;
   while (done < max_steps && time_ < stop_time && fault_.bits() == kNoFault && faulty_body_ < 0) {
-    if (!grid_ready_) begin_epoch(stop_time);
+    if (stage_ != EpochStage::kRunning && !start_epoch(stop_time, call_began)) break;
     if (fault_.bits() != kNoFault) break;
-    cut_tissue();
-    const double speed = update_grid(step_);
-    move_bodies(step_);
-    move_tracers(step_);
-    const double dt = step_;
-    // A step that was not cut for this stop (it was begun before another one) goes past it.
-    time_ = std::abs(stop_time - time_ - dt) <= 1e-9 * dt ? stop_time : time_ + dt;
-    drift_ += speed * dt;
-    ++steps_;
+    take_step(stop_time);
     ++done;
-    in_epoch = static_cast<int>(steps_ % kStepsPerEpoch);
-    const double fastest = std::max(speed, largest_body_speed());
-    const double next = clipped_step(fastest, stop_time);
-    const bool epoch_ends = time_ >= stop_time || in_epoch == 0 ||
-                            drift_ + 2 * fastest * next > kDriftLimit * settings_.grid_spacing;
-    if (!epoch_ends) step_ = next;
-    since_passage_ += dt;
-    passage_drift_ += fastest * dt;
-    nodes_keep_ = !epoch_ends && ++kept_steps_ < settings_.passage_steps &&
-                  passage_drift_ + fastest * next <= kPassageDrift * settings_.grid_spacing;
-    if (epoch_ends) {
-      particle_pass<true, false>({dt, 0, since_passage_ - ahead_});
-      grid_ready_ = false;
-    } else if (nodes_keep_) {
-      particle_pass<true, true>({dt, next, 0});
-    } else {
-      const double late = since_passage_ - ahead_;
-      begin_passage(fastest, stop_time);
-      particle_pass<true, true>({dt, next, late + ahead_});
-    }
   }
   return done;
+}
+
+template <class T>
+void MpmSolver<T>::take_step(double stop_time) {
+  cut_tissue();
+  const double speed = update_grid(step_);
+  move_bodies(step_);
+  move_tracers(step_);
+  const double dt = step_;
+  // A step that was not cut for this stop (it was begun before another one) goes past it.
+  time_ = std::abs(stop_time - time_ - dt) <= 1e-9 * dt ? stop_time : time_ + dt;
+  drift_ += speed * dt;
+  ++steps_;
+  const int in_epoch = static_cast<int>(steps_ % kStepsPerEpoch);
+  const double fastest = std::max(speed, largest_rigid_speed());
+  const double next = clipped_step(fastest, stop_time);
+  const bool epoch_ends = time_ >= stop_time || in_epoch == 0 ||
+                          drift_ + 2 * fastest * next > kDriftLimit * settings_.grid_spacing;
+  if (!epoch_ends) step_ = next;
+  since_passage_ += dt;
+  passage_drift_ += fastest * dt;
+  nodes_keep_ = !epoch_ends && ++kept_steps_ < settings_.passage_steps &&
+                passage_drift_ + fastest * next <= kPassageDrift * settings_.grid_spacing;
+  if (epoch_ends) {
+    particle_pass<true, false>({dt, 0, since_passage_ - ahead_});
+    stage_ = EpochStage::kOver;
+  } else if (nodes_keep_) {
+    particle_pass<true, true>({dt, next, 0});
+  } else {
+    const double late = since_passage_ - ahead_;
+    begin_passage(fastest, stop_time);
+    particle_pass<true, true>({dt, next, late + ahead_});
+  }
+  if (fault_.bits() == kNoFault && step_collapses(fastest, stop_time)) report_collapse(fastest);
 }
 
 template <class T>

@@ -34,7 +34,8 @@ struct SolverSettings {
   double domain_lower[3] = {0, 0, 0};  // local frame
   double domain_upper[3] = {0, 0, 0};
   double largest_step = 1e30;
-  int passage_steps = 1;  // between two passages of momentum, at most
+  int passage_steps = 1;        // between two passages of momentum, at most
+  int contact_iterations = 60;  // of a body's velocity in contact, at most
 };
 
 // A massless point that moves with the grid's velocity: a station of an artery's centre-line.
@@ -57,6 +58,12 @@ struct PassTimes {
   double travel;     // for which the particles move
 };
 
+enum class EpochStage : int {
+  kOver,    // the particles hold the whole state
+  kSorted,  // they stand in the order of the new grid
+  kRunning  // and the tiles hold what they scatter
+};
+
 template <class T>
 class MpmSolver {
  public:
@@ -66,17 +73,15 @@ class MpmSolver {
   std::vector<Tracer>& tracers() { return tracers_; }
   std::vector<RigidBody>& bodies() { return bodies_; }
   std::vector<HalfSpace>& boundaries() { return boundaries_; }
-  const SolverSettings& settings() const { return settings_; }
+  SolverSettings& settings() { return settings_; }
   // New constants for the next step; the largest wave speed goes with them.
-  void set_materials(const MaterialTable<T>& materials, double sound_speed) {
-    materials_ = materials;
-    sound_speed_ = sound_speed;
-  }
+  void set_materials(const MaterialTable<T>& materials, double sound_speed);
 
-  // Takes at most max_steps steps, not past stop_time; returns how many.
+  // Takes at most max_steps steps, not past stop_time; returns how many. Where the start of an
+  // epoch takes long it is a call of its own, so that no call is much longer than the others.
   int advance(int max_steps, double stop_time);
 
-  bool synchronized() const { return !grid_ready_; }
+  bool synchronized() const { return stage_ == EpochStage::kOver; }
   double time() const { return time_; }
   std::int64_t steps() const { return steps_; }
   double step_size() const { return step_; }
@@ -96,12 +101,16 @@ class MpmSolver {
   void gather_only(double dt);
 
  private:
-  void begin_epoch(double stop_time);
+  bool start_epoch(double stop_time, double call_began);
+  void scatter_epoch(double stop_time);
   void begin_passage(double speed, double stop_time);
   double stable_step(double speed) const;
   double clipped_step(double speed, double stop_time) const;
   double largest_particle_speed() const;
-  double largest_body_speed() const;
+  double largest_rigid_speed() const;
+  bool step_collapses(double speed, double stop_time) const;
+  void report_collapse(double speed);
+  void take_step(double stop_time);
   double update_grid(double dt);
   void sum_tiles(int i);
   void sum_all_tiles();
@@ -147,8 +156,9 @@ class MpmSolver {
   int kept_steps_ = 0;        // since then
   double ahead_ = 0;          // of the particles, at the last passage [s]
   double sound_speed_ = 0;
+  double resting_speed_ = 0;  // of waves in the fastest material at rest
   std::int64_t steps_ = 0;
-  bool grid_ready_ = false;
+  EpochStage stage_ = EpochStage::kOver;
   bool nodes_keep_ = false;  // nodes hold velocities, tiles impulses
 };
 

@@ -24,6 +24,12 @@ VULNUS_HD typename LaneTraits<T>::Integer not_finite(typename LaneTraits<T>::Rea
   return ~((value < limit) & (value > -limit));
 }
 
+// Evenly spread over the steps between -1 and 1 halves of a float's last digit (golden ratio).
+float dither_of_step(std::int64_t step) {
+  const double turns = 0.6180339887498949 * static_cast<double>(step);
+  return static_cast<float>((turns - std::floor(turns) - 0.5) * 0x1p-23);
+}
+
 // What may be wrong with the lanes of a bundle; a mask each.
 template <class T>
 struct Trouble {
@@ -94,7 +100,8 @@ VULNUS_HD void gather_bundle(const ParticleSet<T>& set, const MaterialTable<T>& 
 
 // Strains one bundle with what it has gathered, or (at an epoch's beginning) takes it as it is;
 // then scatters it to `tile`, or (at an epoch's end) stores its motion. Returns the squared sound
-// speeds.
+// speeds. Lanes without a particle (volume 0) strain as no cell's mean tells them: whatever becomes
+// of them, they give nodes and time step nothing.
 template <bool Gather, bool Scatter, class T>
 VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockIndex& block,
                                                    int bundle, const GatheredBlock<T>& gathered,
@@ -112,7 +119,7 @@ VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockInde
     trouble = trouble_of_step(b, stencil, stress.kirchhoff, determinant_of_step(increment), n);
   } else {
     b.load_motion();
-    b.move(n.travel);
+    b.move(n);
     b.store_point();
     place(b.x, block, n, stencil);
     stress.kirchhoff = resting_kirchhoff(b.material, b.point);
@@ -121,11 +128,13 @@ VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockInde
     trouble.bad = stencil.outside | not_finite<T>(trouble.stress + v[0] + v[1] + v[2]);
   }
   if (any(trouble.bad | trouble.inverted)) report(b, trouble, n, fault);
+  const auto real = b.volume > typename LaneTraits<T>::Real{};
+  stress.kirchhoff = choose(real, stress.kirchhoff, Symmetric3<typename LaneTraits<T>::Real>{});
   if constexpr (Scatter)
     scatter_momentum(b, tile, stencil, stress.kirchhoff, n);
   else
     b.store_motion();
-  return stress.sound_speed_squared;
+  return select(real, stress.sound_speed_squared, typename LaneTraits<T>::Real{});
 }
 
 // The two phases of one block. Returns the squared sound speeds.
@@ -140,12 +149,13 @@ typename LaneTraits<T>::Real step_block(ParticleSet<T>& set, const MaterialTable
   if constexpr (Gather) {
     for (int k = 0; k < bundles; ++k)
       gather_bundle(set, materials, place_of(k), block, around, n, k, gathered);
-    gathered.average(set.cell_ends(i), first, bundles);
+    gathered.average(set, i, bundles);
   }
   typename LaneTraits<T>::Real fastest{};
   for (int k = 0; k < bundles; ++k) {
     Bundle<T> b(set, place_of(k), materials);
-    fastest = maximum(fastest, step_bundle<Gather, Scatter>(b, block, k, gathered, tile, n, fault));
+    // In this order a speed that is not a number leaves the others as they are.
+    fastest = maximum(step_bundle<Gather, Scatter>(b, block, k, gathered, tile, n, fault), fastest);
   }
   return fastest;
 }
@@ -161,6 +171,7 @@ void MpmSolver<T>::particle_pass(PassTimes times) {
                    T(times.step),
                    T(times.travel),
                    T(times.next_step),
+                   T(dither_of_step(steps_)),
                    {},
                    {},
                    nodes_keep_};
@@ -179,9 +190,10 @@ void MpmSolver<T>::particle_pass(PassTimes times) {
     for (int i = 0; i < grid_.occupied(); ++i) {
       if constexpr (Gather) grid_.load_tile(i, around.data());
       if constexpr (Scatter) std::memset(grid_.tile(i), 0, kTileValues * sizeof(T));
-      fastest_lane = maximum(fastest_lane, step_block<Gather, Scatter>(
-                                               particles_, materials_, i, grid_.block(i),
-                                               around.data(), grid_.tile(i), n, gathered, fault_));
+      fastest_lane =
+          maximum(step_block<Gather, Scatter>(particles_, materials_, i, grid_.block(i),
+                                              around.data(), grid_.tile(i), n, gathered, fault_),
+                  fastest_lane);
     }
     for (int lane = 0; lane < Bundle<T>::kWidth; ++lane)
       fastest = std::max(fastest, fastest_lane[lane]);

@@ -18,6 +18,7 @@ struct PassNumbers {
   T dt;       // of the step that ends: strains
   T travel;   // time for which the particles move
   T next_dt;  // of the step that begins: the impulse of the stress
+  T dither;   // of the places' rounding, below half of their last digit
   T lower[3], upper[3];
   bool nodes_keep;  // their momentum in the step that begins: particles stay in their places
 };
@@ -63,9 +64,10 @@ class GatheredBlock {
   VULNUS_HD Real correction(int bundle) const {
     return reinterpret_cast<const Real*>(rate_.data())[bundle];
   }
-  void average(const std::int32_t* cell_end, int first_bundle, int bundles) {
-    average_volume_rate(cell_end, first_bundle * kWidth, (first_bundle + bundles) * kWidth,
-                        weight_.data(), rate_.data());
+  void average(const ParticleSet<T>& set, int block, int bundles) {
+    const int begin = set.first_bundle(block) * kWidth;
+    average_volume_rate(set.cell_ends(block), begin, begin + bundles * kWidth,
+                        set.material.data() + begin, weight_.data(), rate_.data());
   }
 
  private:
@@ -124,8 +126,15 @@ struct Bundle {
     for (int a = 0; a < 3; ++a) store(kVelocity + a, motion.v[a]);
     for (int a = 0; a < 9; ++a) store(kGradient + a, motion.c.m[a / 3][a % 3]);
   }
-  VULNUS_HD void move(T time) {
-    for (int a = 0; a < 3; ++a) x[a] += time * motion.v[a];
+  // What floats lose of x += v dt would be the same at every step, up to all of it; a dither that
+  // differs from step to step makes it nothing in the mean. What stands stays where it is.
+  VULNUS_HD void move(const PassNumbers<T>& n) {
+    for (int a = 0; a < 3; ++a) {
+      Real way = n.travel * motion.v[a];
+      if constexpr (sizeof(T) == 4)
+        way += select(way == Real{}, Real{}, n.dither * magnitude(x[a]));
+      x[a] += way;
+    }
   }
   VULNUS_HD void store_point() {
     for (int a = 0; a < 3; ++a) store(kPosition + a, x[a]);
@@ -207,7 +216,7 @@ VULNUS_HD Matrix3<typename LaneTraits<T>::Real> increment_of_step(
 template <class T>
 VULNUS_HD StressUpdate<typename LaneTraits<T>::Real> deform(
     Bundle<T>& b, const Matrix3<typename LaneTraits<T>::Real>& increment, const PassNumbers<T>& n) {
-  b.move(n.travel);
+  b.move(n);
   b.point.strain = advance_strain(b.point.strain, increment);
   b.point.network = advance_strain(b.point.network, increment);
   return update_stress(b.material, equivalent_strain_rate(b.motion.c), b.point);

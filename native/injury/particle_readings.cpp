@@ -51,22 +51,7 @@ Double8 stored_energy(const Octet<T>& o, const Material<Double8>& m) {
   return hencky_energy(m, o.hencky) + (1.0 - o.point.damage) * network_energy(m, stretch.excess);
 }
 
-// The volumetric Hencky strain at which the pressure part is `wanted`, by Newton's method: the
-// pressure part is increasing and concave from its start on the stiff side, so that it converges.
-Double8 volume_strain_at(const Material<Double8>& m, Double8 wanted) {
-  constexpr int kIterations = 25;  // some 6 from the start, and 6 a unit of strain beyond 1
-  Double8 t{};
-  for (int i = 0; i < kIterations; ++i) {
-    const Double8 a = m.volume_growth, n = m.volume_exponent;
-    const Double8 up = exp_minus_one(a * t) + 1.0, down = exp_minus_one((a - n) * t) + 1.0;
-    const Double8 divisor = select(n > 0.0, n, Double8{} + 1.0);
-    const Double8 slope =
-        m.bulk_modulus * select(n > 0.0, (a * up - (a - n) * down) / divisor, Double8{} + 1.0);
-    const Double8 step = (wanted - volumetric_kirchhoff(m, t)) / slope;
-    t += minimum(maximum(step, Double8{} - 1.0), Double8{} + 1.0);
-  }
-  return t;
-}
+constexpr int kExchangeIterations = 25;  // for strains up to 3
 
 // The strains of an octet under new constants, and the square of its wave speeds.
 struct Exchanged {
@@ -78,7 +63,7 @@ template <class T>
 Exchanged exchange(const Octet<T>& o, const Material<Double8>& old, const Material<Double8>& m) {
   const Double8 one = Double8{} + 1.0;
   const Double8 trace = o.hencky[0] + o.hencky[1] + o.hencky[2];
-  const Double8 volume = volume_strain_at(m, volumetric_kirchhoff(old, trace));
+  const Double8 volume = volume_strain_at(m, volumetric_kirchhoff(old, trace), kExchangeIterations);
   const auto fluid = m.shear_modulus <= Double8{};
   const Double8 ratio =
       select(fluid, Double8{}, old.shear_modulus) / select(fluid, one, m.shear_modulus);
@@ -99,7 +84,49 @@ Exchanged exchange(const Octet<T>& o, const Material<Double8>& old, const Materi
   return {from_principal(o.eigen.vector, rebuilt), network, stiffness / m.density};
 }
 
+template <class T>
+Double8 wave_speed_squared(const Octet<T>& o, const Material<Double8>& m) {
+  const Double8 trace = o.hencky[0] + o.hencky[1] + o.hencky[2];
+  const NetworkStretch<Double8> stretch = network_stretch(o.point.network, o.log_jacobian);
+  const Double8 modulus = network_modulus(m, stretch.excess) * (1.0 - o.point.damage);
+  return point_stiffness(m, trace, stretch.excess, modulus) / m.density;
+}
+
 }  // namespace
+
+template <class T>
+int stiffest_point(const ParticleSet<T>& set, const MaterialTable<T>& materials) {
+  MaterialTable<double> table;
+  for (int c = 0; c < kMaterialColumns; ++c)
+    std::copy(materials.column[c], materials.column[c] + kMaterialCapacity, table.column[c]);
+  int place = -1;
+  double largest = 0;
+  for (int first = 0; first < set.places(); first += kLanes) {
+    const Octet<T> o(set, first);
+    const Double8 value = wave_speed_squared(o, look_up_material(table, o.material));
+    for (int i = 0; i < kLanes && first + i < set.places(); ++i)
+      if (set.id[first + i] >= 0 && value[i] > largest) {
+        largest = value[i];
+        place = first + i;
+      }
+  }
+  return place;
+}
+
+template <class T>
+int fastest_point(const ParticleSet<T>& set) {
+  int place = -1;
+  double largest = 0;
+  for (int p = 0; p < set.places(); ++p) {
+    double value = 0;
+    for (int a = 0; a < 3; ++a) value += std::pow(double(set.field[kVelocity + a][p]), 2);
+    if (set.id[p] >= 0 && value > largest) {
+      largest = value;
+      place = p;
+    }
+  }
+  return place;
+}
 
 template <class T>
 void read_stress(const ParticleSet<T>& set, const MaterialTable<double>& table, T* out) {
@@ -164,7 +191,7 @@ double exchange_materials(ParticleSet<T>& set, const MaterialTable<double>& befo
     const Double8 value[12] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx,
                                w.xx, w.yy, w.zz, w.xy, w.yz, w.zx};
     for (int i = 0; i < kLanes && first + i < set.places(); ++i) {
-      fastest = std::max(fastest, e.speed_squared[i]);
+      if (o.volume[i] > 0) fastest = std::max(fastest, e.speed_squared[i]);
       for (int f = 0; f < 6; ++f) {
         set.field[kStrain + f][first + i] = T(value[f][i]);
         set.field[kNetworkStrain + f][first + i] = T(value[6 + f][i]);
@@ -178,6 +205,10 @@ template void read_stress(const ParticleSet<float>&, const MaterialTable<double>
 template void read_stress(const ParticleSet<double>&, const MaterialTable<double>&, double*);
 template Energies sum_energies(const ParticleSet<float>&, const MaterialTable<double>&);
 template Energies sum_energies(const ParticleSet<double>&, const MaterialTable<double>&);
+template int stiffest_point(const ParticleSet<float>&, const MaterialTable<float>&);
+template int stiffest_point(const ParticleSet<double>&, const MaterialTable<double>&);
+template int fastest_point(const ParticleSet<float>&);
+template int fastest_point(const ParticleSet<double>&);
 template double exchange_materials(ParticleSet<float>&, const MaterialTable<double>&,
                                    const MaterialTable<double>&);
 template double exchange_materials(ParticleSet<double>&, const MaterialTable<double>&,

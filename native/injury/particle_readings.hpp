@@ -23,6 +23,13 @@ struct Energies {
 template <class T>
 Energies sum_energies(const ParticleSet<T>& set, const MaterialTable<double>& table);
 
+// The places of the points with the fastest waves and with the largest velocity, or -1: they set
+// the time step.
+template <class T>
+int stiffest_point(const ParticleSet<T>& set, const MaterialTable<T>& materials);
+template <class T>
+int fastest_point(const ParticleSet<T>& set);
+
 // Rescales the elastic strains so that the Kirchhoff stress under `after` is that under `before`:
 // the volumetric strain to equal pressure, the deviator by the ratio of shear moduli; the network's
 // isochoric strain stays. Returns the largest wave speed [m/s] afterwards.

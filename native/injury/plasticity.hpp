@@ -34,6 +34,14 @@ struct StressUpdate {
   R sound_speed_squared;
 };
 
+// What damage leaves of a strength. One without limit falls from the elastic `modulus` on, which no
+// stress reaches, so that nothing jumps when the damage is complete.
+template <class R>
+VULNUS_HD R strength_left(R limit, R modulus, R sound) {
+  const auto damaged = (limit > broadcast<R>(kUnlimited)) & (sound < broadcast<R>(1));
+  return sound * select(damaged, modulus, limit);
+}
+
 // 1 + (rate / reference)^exponent (PHYSICS 1.2); 1 where the material has no reference rate.
 template <class R>
 VULNUS_HD R rate_factor(const Material<R>& m, R rate) {
@@ -69,10 +77,13 @@ VULNUS_HD Mask<R> return_to_shear_yield(const Material<R>& m, R rate, R (&strain
       deviator[0] * deviator[0] + deviator[1] * deviator[1] + deviator[2] * deviator[2];
   const R three_mu = broadcast<R>(3) * m.shear_modulus;
   const R q = three_mu * square_root(broadcast<R>(2.0 / 3.0) * norm_squared);
-  const R pressure = -m.bulk_modulus * mean * broadcast<R>(3);
-  const R slow = m.yield_stress + m.hardening * point.plastic_strain;
+  const auto rubbing = (m.friction > R{}) & (m.volume_exponent > R{});
+  const R bulk = any(rubbing) ? secant_bulk_modulus(m, mean * broadcast<R>(3)) : m.bulk_modulus;
+  const R pressure = -bulk * mean * broadcast<R>(3);
   const R softened_part = softening_damage(m, point.plastic_strain);
   const R sound = one - maximum(point.damage, softened_part);
+  const auto never = (m.yield_stress > broadcast<R>(kUnlimited)) & (sound < one);
+  const R slow = select(never, three_mu, m.yield_stress) + m.hardening * point.plastic_strain;
   const R frictional = m.friction * pressure;
   const auto fluid = three_mu <= R{};
   if (!any((q > maximum(slow * sound + frictional, R{})) | fluid)) return fluid;
@@ -94,38 +105,64 @@ VULNUS_HD Mask<R> return_to_shear_yield(const Material<R>& m, R rate, R (&strain
   return flowing | fluid;
 }
 
+constexpr int kCutoffIterations = 6;  // for strengths up to K, 1 % off there, exact below K/10
+constexpr int kCrackIterations = 4;   // each leaves a part of the order of the volume strain
+
 // Largest tension of the pressure: what exceeds it opens voids.
 template <class R>
 VULNUS_HD Mask<R> return_to_pressure_cutoff(const Material<R>& m, R (&strain)[3],
                                             PointState<R>& point) {
   const R trace = strain[0] + strain[1] + strain[2];
   const R sound = broadcast<R>(1) - point.worst_damage(m);
-  const R excess = maximum(trace - sound * m.pressure_cutoff / m.bulk_modulus, R{});
+  const R strength = strength_left(m.pressure_cutoff, m.bulk_modulus, sound);
+  R limit = strength / m.bulk_modulus;
+  const auto bent = (m.volume_exponent > R{}) & (limit > R{}) & (limit < broadcast<R>(1)) &
+                    (trace > broadcast<R>(0.5) * limit);
+  if (any(bent)) limit = select(bent, volume_strain_at(m, strength, kCutoffIterations), limit);
+  const R excess = maximum(trace - limit, R{});
   for (int a = 0; a < 3; ++a) strain[a] -= excess * broadcast<R>(1.0 / 3.0);
   point.opening += excess;
   point.plastic_strain += m.opening_damage * excess;
   return excess > R{};
 }
 
-// Closest-point return to max principal stress <= f_t. With n active principal stresses the sum of
-// the crack strains is S_n = sum(tau - f_t) / (n lambda + 2 mu); the right n has the largest S_n.
-// Without shear modulus the pressure's cut-off is all there is.
+// The sum of the crack strains of a closest-point return to max principal stress <= f_t: with n
+// active principal stresses it is S_n = sum(tau - f_t) / (n lambda + 2 mu); the right n has the
+// largest S_n. `over` is tau - f_t.
 template <class R>
-VULNUS_HD Mask<R> return_to_rankine(const Material<R>& m, R (&strain)[3], PointState<R>& point) {
-  const R two_mu = broadcast<R>(2) * m.shear_modulus;
-  const R lambda = m.bulk_modulus - two_mu * broadcast<R>(1.0 / 3.0);
-  const R strength = m.tensile_strength * (broadcast<R>(1) - point.worst_damage(m));
-  const R trace = strain[0] + strain[1] + strain[2];
-  R over[3];
-  for (int a = 0; a < 3; ++a) over[a] = two_mu * strain[a] + lambda * trace - strength;
+VULNUS_HD R crack_strain(const R (&over)[3], R lambda, R two_mu) {
   const R largest = maximum(over[0], maximum(over[1], over[2]));
-  const auto cracking = (largest > R{}) & (two_mu > R{});
-  if (!any(cracking)) return cracking;
   const R smallest = minimum(over[0], minimum(over[1], over[2]));
   const R total = over[0] + over[1] + over[2];
   R crack = maximum(R{}, largest / (lambda + two_mu));
   crack = maximum(crack, (total - smallest) / (broadcast<R>(2) * lambda + two_mu));
-  crack = maximum(crack, total / (broadcast<R>(3) * lambda + two_mu));
+  return maximum(crack, total / (broadcast<R>(3) * lambda + two_mu));
+}
+
+// The return itself. Where pressure is not straight in the volume strain its secant is, at the
+// strain that the crack leaves. Without shear modulus the pressure's cut-off is all there is.
+template <class R>
+VULNUS_HD Mask<R> return_to_rankine(const Material<R>& m, R (&strain)[3], PointState<R>& point) {
+  const R two_mu = broadcast<R>(2) * m.shear_modulus;
+  const R sound = broadcast<R>(1) - point.worst_damage(m);
+  const R strength = strength_left(m.tensile_strength, m.bulk_modulus, sound);
+  const R trace = strain[0] + strain[1] + strain[2];
+  R lambda, over[3];
+  auto exceed = [&](R bulk) {
+    lambda = bulk - two_mu * broadcast<R>(1.0 / 3.0);
+    for (int a = 0; a < 3; ++a) over[a] = two_mu * strain[a] + lambda * trace - strength;
+  };
+  const auto limited = (m.tensile_strength < broadcast<R>(kUnlimited)) & (two_mu > R{});
+  const auto bent = limited & (m.volume_exponent > R{});
+  exceed(any(bent) ? secant_bulk_modulus(m, trace) : m.bulk_modulus);
+  const R largest = maximum(over[0], maximum(over[1], over[2]));
+  const auto cracking = (largest > R{}) & (two_mu > R{});
+  if (!any(cracking)) return cracking;
+  R crack = crack_strain(over, lambda, two_mu);
+  for (int n = 0; n < kCrackIterations && any(bent & cracking); ++n) {
+    exceed(secant_bulk_modulus(m, trace - crack));
+    crack = crack_strain(over, lambda, two_mu);
+  }
   crack = select(cracking, crack, R{});
   for (int a = 0; a < 3; ++a) {
     const R part = maximum(over[a] - lambda * crack, R{}) / two_mu;

@@ -87,8 +87,10 @@ void RigidBody::world_inertia(double (&out)[3][3]) const {
 }
 
 void RigidBody::begin_step(double time, double dt, const double (&gravity)[3]) {
-  if (motion == BodyMotion::kDynamic)
-    for (int a = 0; a < 3; ++a) state_.velocity[a] += on_rail ? 0 : dt * gravity[a];
+  if (motion == BodyMotion::kDynamic) {
+    const double along = rail[0] * gravity[0] + rail[1] * gravity[1] + rail[2] * gravity[2];
+    for (int a = 0; a < 3; ++a) state_.velocity[a] += dt * (on_rail ? along * rail[a] : gravity[a]);
+  }
   if (motion != BodyMotion::kGuided) return;
   double from[3], to[3];
   path_at(time, from);

@@ -8,7 +8,8 @@
 namespace vulnus::injury {
 
 // Tracers move with the velocity of the nodes around them that have mass; where none has, they
-// stand. The bodies are already at the end of the step.
+// stand. Nodes behind a mirror are read at their images, where the mass is. The bodies are already
+// at the end of the step.
 template <class T>
 void MpmSolver<T>::move_tracers(double dt) {
   const double dx = settings_.grid_spacing;
@@ -23,14 +24,22 @@ void MpmSolver<T>::move_tracers(double dt) {
       quadratic_weights(cell - base[a], weight[a]);
     }
     for (int n = 0; n < 27; ++n) {
-      const std::int32_t x = base[0] + n / 9, y = base[1] + n / 3 % 3, z = base[2] + n % 3;
-      const int block = grid_.find(morton_key({x >> 2, y >> 2, z >> 2}));
+      std::int32_t x[3] = {base[0] + n / 9, base[1] + n / 3 % 3, base[2] + n % 3};
+      double sign[3] = {1, 1, 1};
+      for (const Mirror& mirror : mirrors_) {
+        std::int32_t& along = x[mirror.axis];
+        if ((along - mirror.node) * mirror.free_side >= 0) continue;
+        along = 2 * mirror.node - along;
+        sign[mirror.axis] = -1;
+      }
+      const int block = grid_.find(morton_key({x[0] >> 2, x[1] >> 2, x[2] >> 2}));
       if (block < 0) continue;
-      const T* value = grid_.nodes(block) + ((x & 3) << 4 | (y & 3) << 2 | (z & 3)) * kComponents;
+      const T* value =
+          grid_.nodes(block) + ((x[0] & 3) << 4 | (x[1] & 3) << 2 | (x[2] & 3)) * kComponents;
       if (!(value[0] > T(0))) continue;
       const double w = weight[0][n / 9] * weight[1][n / 3 % 3] * weight[2][n % 3];
       loaded += w;
-      for (int a = 0; a < 3; ++a) velocity[a] += w * value[1 + a];
+      for (int a = 0; a < 3; ++a) velocity[a] += w * sign[a] * value[1 + a];
     }
     if (loaded > 0)
       for (int a = 0; a < 3; ++a) tracer.position[a] += dt * velocity[a] / loaded;

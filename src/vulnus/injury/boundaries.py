@@ -7,6 +7,7 @@ Air drag is not modelled.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
@@ -16,6 +17,7 @@ from vulnus.core.arrays import FloatArray, Vector3
 from vulnus.core.errors import ScenarioError
 
 from . import _native
+from .material_model import COLUMNS
 
 WallKind = Literal["fixed", "slip", "separating"]
 KIND = {"fixed": 0, "slip": 1, "separating": 2, "absorbing": 3}
@@ -135,22 +137,24 @@ class Wall:
         )
 
 
-def add_boundary(
+def add_boundaries(
     solver: _native.Solver32,
-    boundary: Boundary,
+    boundaries: Sequence[Boundary],
     *,
     origin: FloatArray,
     grid_spacing: float,
-    sound_speed: float,
+    materials: FloatArray,
 ) -> None:
-    """Give a boundary to the native solver, whose slowest material has `sound_speed` [m/s]."""
-    for half in boundary.half_spaces():
+    """Give the native solver these boundaries and no others; ends match waves in `materials`."""
+    solver.clear_boundaries()
+    slowest = _slowest_sound(materials)
+    for half in (half for boundary in boundaries for half in boundary.half_spaces()):
         if not np.all(np.isfinite((*half.normal, half.height, *half.velocity, half.friction))):
             raise ScenarioError("boundary", "holds a value that is not finite", "Check it.")
         layer = max(half.thickness, grid_spacing)
         exponent = STEEPNESS * layer / grid_spacing - 1.0
         damped = half.thickness > 0.0
-        speed = half.sound_speed or sound_speed  # the integral of the rate over the layer
+        speed = half.sound_speed or slowest  # the integral of the rate over the layer
         solver.add_boundary(
             kind=KIND[half.kind],
             normal=half.normal,
@@ -161,6 +165,13 @@ def add_boundary(
             rate=(exponent + 1.0) * MATCH * speed / layer if damped else 0.0,
             exponent=exponent,
         )
+
+
+def _slowest_sound(materials: FloatArray) -> float:
+    """Speed [m/s] of longitudinal waves in the slowest material of a table."""
+    names = ("density", "bulk_modulus", "shear_modulus", "network_modulus")
+    density, bulk, shear, network = (materials[:, COLUMNS.index(name)] for name in names)
+    return float(np.sqrt(np.min((bulk + 4.0 / 3.0 * (shear + network)) / density)))
 
 
 def _ends(axis: Vector3, lower: float, upper: float) -> tuple[HalfSpace, HalfSpace]:

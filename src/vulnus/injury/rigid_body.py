@@ -174,7 +174,17 @@ class RigidBody:
                 raise ScenarioError(
                     f"{self.name} path", "goes with a dynamic body", "Use a kinematic one."
                 )
-        elif self.path is not None and self.centre is not None:
+            return
+        if self.path is None:
+            return
+        for key in ("velocity", "angular_velocity"):
+            if np.any(getattr(self, key)):
+                raise ScenarioError(
+                    f"{self.name} {key}",
+                    "goes with a path, which alone says how the body moves, without turning",
+                    "Leave one of them out.",
+                )
+        if self.centre is not None:
             apart = np.linalg.norm(np.subtract(self.centre, self.path.positions[0]))
             if apart > 1e-9:
                 raise ScenarioError(

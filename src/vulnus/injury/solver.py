@@ -16,12 +16,14 @@ import numpy as np
 
 from vulnus.core.arrays import AnyArray, FloatArray, LabelArray, Vector3
 from vulnus.core.checkpoint import CheckpointData
-from vulnus.core.errors import ScenarioError, StorageError, UnstableStepError
+from vulnus.core.errors import ScenarioError, StorageError
 
 from . import _native
-from .boundaries import Boundary, add_boundary
+from .boundaries import Boundary, add_boundaries
+from .checked_values import positive
 from .material_model import COLUMNS
 from .rigid_body import STATE_SIZE, BodyState, RigidBody, add_body
+from .solver_faults import body_fault, particle_fault
 
 Precision = Literal["float32", "float64"]
 
@@ -34,14 +36,6 @@ FULL_TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 FIXED_CONSTANTS = ("density", "network_modulus", "network_stiffening")
 """What `MpmSolver.change_materials` must leave alone."""
 
-FAULTS = {
-    1: "a value that is not finite",
-    2: "an inverted particle",
-    4: "a particle that left the domain",
-    8: "a particle that moved more than a cell between two sorts",
-    16: "a time step that is too small",
-}
-ADVICE = "Try a smaller courant_number (0.3) or a finer grid_spacing."
 PARTICLES_AT_ONCE = 1 << 18  # chosen: 12 MB of copies instead of those of all particles
 PASSAGE_STEPS = 8
 """Steps for which the nodes keep their momentum where rigid bodies move, until something has moved
@@ -72,8 +66,8 @@ class MpmSolver:
         largest_step: float = 1e30,
         precision: Precision = "float32",
     ) -> None:
-        _require_positive("grid_spacing", grid_spacing)
-        _require_positive("courant_number", courant_number)
+        positive("grid_spacing", grid_spacing)
+        positive("courant_number", courant_number)
         self._origin = 0.5 * (np.array(lower) + np.array(upper))
         self._materials = np.ascontiguousarray(materials, dtype=np.float64)
         self.grid_spacing = grid_spacing
@@ -91,14 +85,9 @@ class MpmSolver:
         self._body_names = tuple(body.name for body in bodies)
         for body in bodies:
             add_body(self._native, body, origin=self._origin, grid_spacing=grid_spacing)
-        for boundary in boundaries:
-            add_boundary(
-                self._native,
-                boundary,
-                origin=self._origin,
-                grid_spacing=grid_spacing,
-                sound_speed=_slowest_sound(self._materials),
-            )
+        self._boundaries = tuple(boundaries)
+        self._match_boundaries()
+        self._energy_of_changes = 0.0
         self._material = np.zeros(0, np.uint8)
         self._steps_per_call = 1
 
@@ -124,6 +113,8 @@ class MpmSolver:
                 f"row {self._material.max()} of a table of {len(self._materials)}",
                 "Give every particle a row of the material table.",
             )
+        if not np.all(sizes > 0.0):
+            raise ScenarioError("volume", f"is {np.min(sizes)} m³, must be > 0", "Leave it out.")
         self._native.make_particles(len(where))
         for first in range(0, len(where), PARTICLES_AT_ONCE):
             part = slice(first, first + PARTICLES_AT_ONCE)
@@ -145,6 +136,15 @@ class MpmSolver:
         self._native.set_values(STRAIN, np.ascontiguousarray(state[:, :6], dtype=np.float64))
         rest = np.ascontiguousarray(state[:, 6:], dtype=np.float64)
         self._native.set_values(PLASTIC_STRAIN, rest)
+
+    def _match_boundaries(self) -> None:
+        add_boundaries(
+            self._native,
+            self._boundaries,
+            origin=self._origin,
+            grid_spacing=self.grid_spacing,
+            materials=self._materials,
+        )
 
     def set_tracers(self, position: FloatArray) -> None:
         """Put in massless points (n, 3) [m] that move with the material."""
@@ -184,38 +184,17 @@ class MpmSolver:
         taken = self._native.advance(steps, until)
         self._raise_fault()
         wall = max(clock.perf_counter() - start, 1e-6)
-        wanted = int(taken * WALL_TIME_OF_A_CALL / wall)
-        self._steps_per_call = min(max(wanted, 1), 2 * self._steps_per_call)
+        if taken > 0:  # not only the start of an epoch
+            wanted = int(taken * WALL_TIME_OF_A_CALL / wall)
+            self._steps_per_call = min(max(wanted, 1), 2 * self._steps_per_call)
         return taken
 
     def _raise_fault(self) -> None:
-        bits = self._native.fault_bits
-        if bits == 0:
-            self._raise_body_fault()
-            return
-        particle = self._native.fault_particle
-        x, y, z = (float(c) for c in self.position[particle])
-        raise UnstableStepError.at(
-            "material point method",
-            " and ".join(text for bit, text in FAULTS.items() if bits & bit),
-            ADVICE,
-            time=self.time,
-            step=self.steps,
-            particle=particle,
-            position=(x, y, z),
-        )
-
-    def _raise_body_fault(self) -> None:
-        if self._native.fault_body < 0:
-            return
-        body = self.bodies[self._native.fault_body]
-        x, y, z = (1e3 * float(c) for c in body.position)
-        raise UnstableStepError(
-            "material point method",
-            f"{body.name} has a value that is not finite at ({x:.2f}, {y:.2f}, {z:.2f}) mm, "
-            f"t = {self.time:.6g} s, step {self.steps}",
-            "Check its mass and velocity, or try a smaller courant_number (0.3).",
-        )
+        bits, body = self._native.fault_bits, self._native.fault_body
+        if body >= 0:
+            raise body_fault(self, bits, body)
+        if bits:
+            raise particle_fault(self, bits, self._native.fault_particle)
 
     @property
     def synchronized(self) -> bool:
@@ -305,7 +284,9 @@ class MpmSolver:
         """Go on with other constants (`materials.slowed`) under unchanged stress.
 
         Elastic strains are rescaled so that the Kirchhoff stress of every particle stays; the
-        volume ratio changes with the bulk modulus. Densities and networks must stay as they are.
+        volume ratio changes with the bulk modulus, and so does the stored energy, by what is added
+        to `energy_of_changes`. Densities and networks must stay as they are. `AbsorbingEnds` take
+        up the waves of the new constants from now on.
         """
         if not self.synchronized:
             raise ScenarioError(
@@ -323,8 +304,17 @@ class MpmSolver:
             raise ScenarioError(
                 "materials", "change a density or a network", "Change moduli and strengths only."
             )
-        self._native.set_materials(rows, rescale=True)
+        self._energy_of_changes += self._native.set_materials(rows, rescale=True)
         self._materials = rows
+        self._match_boundaries()
+
+    @property
+    def energy_of_changes(self) -> float:
+        """Elastic energy [J] that `change_materials` has made so far: softer stores more.
+
+        What was lost is the fall of all energies, and this.
+        """
+        return self._energy_of_changes
 
     @property
     def tracers(self) -> tuple[FloatArray, FloatArray]:
@@ -363,6 +353,7 @@ class MpmSolver:
             "tracers": self._native.tracer_state(),
             "bodies": self._native.body_state(),
             "materials": self._materials,
+            "energy_of_changes": self._energy_of_changes,
             "time": self._native.time,
             "steps": self._native.steps,
             "sound_speed": self._native.sound_speed,
@@ -386,6 +377,8 @@ class MpmSolver:
             )
         self._materials = np.ascontiguousarray(state["materials"], dtype=np.float64)
         self._native.set_materials(self._materials, rescale=False)
+        self._energy_of_changes = float(state["energy_of_changes"])
+        self._match_boundaries()
         self._native.set_body_state(bodies)
         self._native.restore(
             np.ascontiguousarray(fields),
@@ -403,18 +396,6 @@ def set_threads(count: int) -> None:
     _native.set_num_threads(count)
 
 
-def _slowest_sound(materials: FloatArray) -> float:
-    """Speed [m/s] of longitudinal waves in the slowest material of a table."""
-    names = ("density", "bulk_modulus", "shear_modulus", "network_modulus")
-    density, bulk, shear, network = (materials[:, COLUMNS.index(name)] for name in names)
-    return float(np.sqrt(np.min((bulk + 4.0 / 3.0 * (shear + network)) / density)))
-
-
 def _vector(values: AnyArray) -> Vector3:
     x, y, z = (float(v) for v in values)
     return x, y, z
-
-
-def _require_positive(name: str, value: float) -> None:
-    if not value > 0.0:
-        raise ScenarioError(name, f"is {value}, must be > 0", "Give a positive number.")
