@@ -101,6 +101,13 @@ class Solver {
     return made;
   }
 
+  // The largest principal strain that `set_materials` would leave.
+  double largest_strain_with(Array2<double> rows) {
+    const MaterialTable<double> table = make_table<double>(rows);
+    nb::gil_scoped_release release;
+    return largest_exchanged_strain(solver_.particles(), table_, table);
+  }
+
   void make_particles(std::size_t n) { solver_.particles().reset(static_cast<int>(n)); }
 
   // The particles from number `first` on; in pieces, so that no whole copy stands in between.
@@ -272,6 +279,7 @@ void bind_solver(nb::module_& m, const char* name) {
       .def("stress", &S::stress)
       .def("energies", &S::energies)
       .def("set_materials", &S::set_materials, nb::arg("rows"), nb::kw_only(), nb::arg("rescale"))
+      .def("largest_strain_with", &S::largest_strain_with)
       .def("totals", &S::totals, nb::kw_only(), nb::arg("grid"))
       .def("advance",
            [](S& s, int max_steps, double stop_time) {

@@ -9,8 +9,8 @@ namespace vulnus::injury {
 
 namespace {
 
-// [kg]: with less a node is empty. Particles a last digit beside a layer of nodes leave masses there
-// whose inverse no float holds. Chosen: a hundred times the least float with all its digits.
+// [kg]: with less a node is empty. Particles a last digit beside a layer of nodes leave masses
+// there whose inverse no float holds. Chosen: a hundred times the least float with all its digits.
 template <class T>
 constexpr T kLeastMass = T(1e-36);
 

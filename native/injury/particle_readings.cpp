@@ -53,6 +53,25 @@ Double8 stored_energy(const Octet<T>& o, const Material<Double8>& m) {
 
 constexpr int kExchangeIterations = 25;  // for strains up to 3
 
+// Principal Hencky strains of an octet under new constants and equal Kirchhoff stress.
+struct ExchangedStrain {
+  Double8 hencky[3];
+  Double8 before, volume;  // the volumetric strain before and after
+};
+
+template <class T>
+ExchangedStrain exchange_strain(const Octet<T>& o, const Material<Double8>& old,
+                                const Material<Double8>& m) {
+  ExchangedStrain e;
+  e.before = o.hencky[0] + o.hencky[1] + o.hencky[2];
+  e.volume = volume_strain_at(m, volumetric_kirchhoff(old, e.before), kExchangeIterations);
+  const auto fluid = m.shear_modulus <= Double8{};
+  const Double8 ratio =
+      select(fluid, Double8{}, old.shear_modulus) / select(fluid, Double8{} + 1.0, m.shear_modulus);
+  for (int a = 0; a < 3; ++a) e.hencky[a] = e.volume / 3.0 + ratio * (o.hencky[a] - e.before / 3.0);
+  return e;
+}
+
 // The strains of an octet under new constants, and the square of its wave speeds.
 struct Exchanged {
   Symmetric3<Double8> strain, network;
@@ -61,22 +80,17 @@ struct Exchanged {
 
 template <class T>
 Exchanged exchange(const Octet<T>& o, const Material<Double8>& old, const Material<Double8>& m) {
-  const Double8 one = Double8{} + 1.0;
-  const Double8 trace = o.hencky[0] + o.hencky[1] + o.hencky[2];
-  const Double8 volume = volume_strain_at(m, volumetric_kirchhoff(old, trace), kExchangeIterations);
-  const auto fluid = m.shear_modulus <= Double8{};
-  const Double8 ratio =
-      select(fluid, Double8{}, old.shear_modulus) / select(fluid, one, m.shear_modulus);
+  const ExchangedStrain e = exchange_strain(o, old, m);
+  const Double8 trace = e.before, volume = e.volume;
   Double8 rebuilt[3];
-  for (int a = 0; a < 3; ++a)
-    rebuilt[a] = exp_minus_one(2.0 * (volume / 3.0 + ratio * (o.hencky[a] - trace / 3.0)));
+  for (int a = 0; a < 3; ++a) rebuilt[a] = exp_minus_one(2.0 * e.hencky[a]);
   const Double8 swell = exp_minus_one((volume - trace) * (2.0 / 3.0));  // of b at equal shape
   const Double8 grown = swell + 1.0;
   const Symmetric3<Double8>& b = o.point.network;
   const Symmetric3<Double8> swollen = {b.xx * grown + swell, b.yy * grown + swell,
                                        b.zz * grown + swell, b.xy * grown,
                                        b.yz * grown,         b.zx * grown};
-  const auto connected = (m.network_modulus > Double8{}) & (o.point.damage < one);
+  const auto connected = (m.network_modulus > Double8{}) & (o.point.damage < Double8{} + 1.0);
   const Symmetric3<Double8> network = choose(connected, swollen, b);
   const NetworkStretch<Double8> stretch = network_stretch(network, volume + o.point.opening);
   const Double8 stiffness =
@@ -201,6 +215,22 @@ double exchange_materials(ParticleSet<T>& set, const MaterialTable<double>& befo
   return std::sqrt(fastest);
 }
 
+template <class T>
+double largest_exchanged_strain(const ParticleSet<T>& set, const MaterialTable<double>& before,
+                                const MaterialTable<double>& after) {
+  double largest = 0;
+#pragma omp parallel for schedule(static) reduction(max : largest)
+  for (int first = 0; first < set.places(); first += kLanes) {
+    const Octet<T> o(set, first);
+    const ExchangedStrain e = exchange_strain(o, look_up_material(before, o.material),
+                                              look_up_material(after, o.material));
+    for (int i = 0; i < kLanes && first + i < set.places(); ++i)
+      for (int a = 0; a < 3; ++a)
+        if (set.id[first + i] >= 0) largest = std::max(largest, std::abs(e.hencky[a][i]));
+  }
+  return largest;
+}
+
 template void read_stress(const ParticleSet<float>&, const MaterialTable<double>&, float*);
 template void read_stress(const ParticleSet<double>&, const MaterialTable<double>&, double*);
 template Energies sum_energies(const ParticleSet<float>&, const MaterialTable<double>&);
@@ -213,5 +243,9 @@ template double exchange_materials(ParticleSet<float>&, const MaterialTable<doub
                                    const MaterialTable<double>&);
 template double exchange_materials(ParticleSet<double>&, const MaterialTable<double>&,
                                    const MaterialTable<double>&);
+template double largest_exchanged_strain(const ParticleSet<float>&, const MaterialTable<double>&,
+                                         const MaterialTable<double>&);
+template double largest_exchanged_strain(const ParticleSet<double>&, const MaterialTable<double>&,
+                                         const MaterialTable<double>&);
 
 }  // namespace vulnus::injury

@@ -37,4 +37,9 @@ template <class T>
 double exchange_materials(ParticleSet<T>& set, const MaterialTable<double>& before,
                           const MaterialTable<double>& after);
 
+// The largest principal Hencky strain that this would leave.
+template <class T>
+double largest_exchanged_strain(const ParticleSet<T>& set, const MaterialTable<double>& before,
+                                const MaterialTable<double>& after);
+
 }  // namespace vulnus::injury

@@ -274,3 +274,33 @@ def test_the_clock_is_that_of_the_bodies_where_a_stop_comes_nearer():
     solver.advance(until=1e-3, max_steps=3)
     solver.advance(until=solver.time + 0.1 * solver.step_size)
     assert solver.bodies[0].position[1] == pytest.approx(-0.3 + 60.0 * solver.time, abs=1e-12)
+
+
+def test_gravity_moves_a_body_along_its_rail():
+    """Its part along the rail, nothing across."""
+    rail = np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0)
+    bead = ball(
+        centre=(0.3, 0.0, 0.0), velocity=tuple(2.0 * rail), angular_velocity=(0.0,) * 3,
+        rail=tuple(rail),
+    )  # fmt: skip
+    solver = block(bodies=[bead], edge=4, gravity=(0.0, -1000.0, 50.0))
+    solver.advance(until=1e-3)
+    gained = solver.bodies[0].velocity - 2.0 * rail
+    assert np.allclose(gained, -1000.0 * 1e-3 / np.sqrt(2.0) * rail, atol=1e-9)
+
+
+@pytest.mark.parametrize("key", ["velocity", "angular_velocity"])
+def test_a_path_and_a_velocity_are_one_too_many(key):
+    way = BodyPath(times=np.array([0.0, 1.0]), positions=np.array([[0.0, 0, 0], [0.1, 0, 0]]))
+    with pytest.raises(ScenarioError, match=f"projectile {key}"):
+        RigidBody(shape=Sphere(0.008), path=way, **{key: (0.0, 10.0, 0.0)})
+
+
+def test_a_contact_that_is_not_solved_is_told():
+    """With one iteration where three are needed; with as many as there are it is none."""
+    solver = block(bodies=[ball(mass=1e-4, friction=5.0)])
+    solver._native.contact_iterations = 1
+    with pytest.raises(UnstableStepError, match="projectile has a contact") as error:
+        solver.advance(until=4e-4)
+    assert "friction" in error.value.advice
+    block(bodies=[ball(mass=1e-4, friction=5.0)]).advance(until=4e-4)

@@ -130,3 +130,26 @@ def test_friction_brakes_a_sliding_block_as_coulomb_says():
 def test_a_boundary_that_cannot_be_is_refused(make, named):
     with pytest.raises(ScenarioError, match=named):
         bar(4, [make()])
+
+
+def test_absorbing_ends_match_the_materials_that_hold_now():
+    """After a change of the constants, and after a resumption: the bits of ends made for them."""
+    ends = [AbsorbingEnds(axis=X, lower=0.0, upper=20 * SPACING, thickness=4 * SPACING)]
+    stiff = neo_hookean(1000.0, 5e6, 8e7)
+
+    def pulse(x):
+        return np.exp(-(((x - 10 * SPACING) / (3.0 * SPACING)) ** 2))
+
+    _, made_so = bar(20, ends, speed=pulse, material=GEL)
+    _, changed = bar(20, ends, speed=pulse, material=stiff)
+    changed.change_materials(made_so.materials)
+    saved = changed.state()
+    _, resumed = bar(20, ends, speed=pulse, material=stiff)
+    resumed.restore(saved)
+    _, other = bar(20, ends, speed=pulse, material=stiff)
+    for solver in (made_so, changed, resumed, other):
+        solver.advance(until=4e-4)
+    assert np.max(np.abs(made_so.velocity)) < 0.2  # the pulse has met the ends
+    assert np.array_equal(changed.velocity, made_so.velocity)
+    assert np.array_equal(resumed.velocity, made_so.velocity)
+    assert not np.array_equal(other.velocity, made_so.velocity)

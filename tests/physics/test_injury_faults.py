@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vulnus.core.errors import UnstableStepError
+from vulnus.core.errors import ScenarioError, UnstableStepError
 from vulnus.injury.materials import tissue_table
 from vulnus.injury.solver import GRADIENT, STRAIN, MpmSolver
 
@@ -82,3 +82,45 @@ def test_a_sound_block_raises_nothing():
     solver._native.set_values(STRAIN, np.full((1000, 6), 1e-4))
     solver.advance(until=2e-5)
     assert np.all(np.isfinite(solver.velocity))
+
+
+def test_a_run_goes_on_from_a_good_state_after_a_fault():
+    solver = block()
+    solver.advance(until=1e-6)
+    good = solver.state()
+    velocity = np.zeros((1000, 3))
+    velocity[5] = np.nan
+    solver._native.set_values(3, velocity)
+    with pytest.raises(UnstableStepError):
+        solver.advance(until=2e-6)
+    solver.restore(good)
+    solver.advance(until=2e-6)
+    assert solver.time == 2e-6
+    assert np.all(np.isfinite(solver.velocity))
+
+
+@pytest.mark.parametrize("points", [7, 11, 15, 27])
+def test_particles_a_last_digit_beside_the_nodes_are_no_fault(points):
+    """Lattices 0.1 m off whose points lie on the nodes but for rounding.
+
+    A node beyond them has a weight of 1e-44, and so a mass whose inverse is infinite in floats.
+    """
+    spacing = 0.002
+    edge = (np.arange(points) + 0.5) * spacing / 2.0 - points * spacing / 4.0
+    for shift in (0.05, 0.1):
+        x = np.stack(np.meshgrid(edge, edge, edge, indexing="ij"), axis=-1).reshape(-1, 3) + shift
+        solver = MpmSolver(
+            materials=tissue_table(spacing), grid_spacing=spacing, lower=(-1.0,) * 3,
+            upper=(1.0,) * 3,
+        )  # fmt: skip
+        solver.set_particles(x, volume=np.full(len(x), 1e-9), material=np.full(len(x), 2, np.uint8))
+        solver.advance(until=1.0, max_steps=3)
+        assert np.all(solver.velocity == 0.0)
+
+
+def test_a_particle_without_volume_is_refused():
+    solver = block()
+    with pytest.raises(ScenarioError, match="volume"):
+        solver.set_particles(
+            np.zeros((2, 3)), volume=np.array([1e-9, 0.0]), material=np.zeros(2, np.uint8)
+        )

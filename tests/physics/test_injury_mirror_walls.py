@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from vulnus.injury import Block, Experiment
-from vulnus.injury.materials import von_mises
+from vulnus.injury.boundaries import Wall
+from vulnus.injury.materials import material_table, von_mises
+from vulnus.injury.solver import MpmSolver
 
 pytestmark = pytest.mark.physics
 
@@ -82,3 +84,31 @@ def test_nothing_passes_a_mirror():
     experiment.add_wall(point=(0.0, 0.0, 0.0), normal="x", kind="slip")
     final = experiment.run(until=20e-6).final
     assert np.min(final.position[:, 0]) > 0.0
+
+
+def test_a_tracer_beside_a_mirror_moves_as_in_the_whole():
+    """Within the first cell the nodes behind the mirror count, by their images."""
+    spacing = 1e-3
+    edge = (np.arange(-8, 8) + 0.5) * spacing / 2.0
+    x = np.stack(np.meshgrid(edge, edge, edge, indexing="ij"), axis=-1).reshape(-1, 3)
+    tracers = np.array([[0.2e-3, 1e-3, 0.3e-3], [0.9e-3, -1e-3, 0.1e-3], [0.4e-3, 0.1e-3, 2e-3]])
+
+    def moved(part, walls):
+        solver = MpmSolver(
+            materials=material_table([METAL], spacing), grid_spacing=spacing, lower=(-0.1,) * 3,
+            upper=(0.1,) * 3, precision="float64", boundaries=walls,
+        )  # fmt: skip
+        velocity = part * (60e3, 30e3, -90e3)
+        solver.set_particles(
+            part, volume=np.full(len(part), (spacing / 2.0) ** 3), velocity=velocity,
+            material=np.zeros(len(part), np.uint8),
+        )  # fmt: skip
+        solver.set_tracers(tracers)
+        solver.advance(until=2e-6)
+        return solver.tracers[0] - tracers
+
+    whole = moved(x, [])
+    walls = [Wall(point=(0.0,) * 3, normal=tuple(np.eye(3)[a]), kind="slip") for a in (0, 2)]
+    part = moved(x[(x[:, 0] > 0.0) & (x[:, 2] > 0.0)], walls)
+    assert np.min(np.abs(whole)) > 1e-6  # they all move
+    assert np.allclose(part, whole, rtol=0.0, atol=1e-12)

@@ -222,3 +222,54 @@ def test_the_reading_is_the_stress_of_the_steps():
     size = np.max(np.abs(kirchhoff))
     assert np.count_nonzero(still) > 20
     assert np.allclose(again.tau[still], kirchhoff[still], rtol=0.0, atol=1e-9 * size)
+
+
+def test_the_energy_that_softer_constants_make_is_told():
+    """Equal stress in bone of a hundredth of the stiffness stores a hundred times as much."""
+    table = material_table([elastic(1900.0, 18e9, 0.3)], SPACING)
+    rng = np.random.default_rng(13)
+    solver = strained(table, np.eye(3) + rng.uniform(-5e-3, 5e-3, (50, 3, 3)))
+    before = solver.energies()["elastic"]
+    softer = table.copy()
+    for name in ("bulk_modulus", "shear_modulus"):
+        softer[:, COLUMNS.index(name)] *= 0.01
+    solver.change_materials(softer)
+    assert solver.energies()["elastic"] == pytest.approx(100.0 * before, rel=1e-9)
+    assert solver.energy_of_changes == pytest.approx(99.0 * before, rel=1e-9)
+    other = strained(table, np.tile(np.eye(3), (50, 1, 1)))
+    other.restore(solver.state())
+    assert other.energy_of_changes == solver.energy_of_changes
+    solver.change_materials(table)
+    assert solver.energy_of_changes == pytest.approx(0.0, abs=1e-9 * before)
+
+
+@pytest.mark.parametrize(("precision", "tolerance"), [("float64", 1e-9), ("float32", 1e-2)])
+def test_the_stress_stays_also_where_strains_become_large(precision, tolerance):
+    """Bone under 100 MPa whose waves are slowed to 230 m/s: strains of 1 to 2, the same stress.
+
+    Slower still, no strain that can be kept gives that stress, and the change is refused.
+    """
+    table = material_table([MATERIALS["cortical_bone"]], SPACING)
+    rng = np.random.default_rng(17)
+    f = np.eye(3) + rng.uniform(-4e-3, 4e-3, (30, 3, 3))
+    solver = strained(table, f, precision=precision)
+    tau = solver.stress * solver.volume_ratio[:, None, None]
+    with pytest.raises(ScenarioError, match="strains them") as error:
+        solver.change_materials(slowed(table, 50.0))
+    assert "sound_speed" in error.value.advice
+    assert np.array_equal(solver.materials, table)
+    solver.change_materials(slowed(table, 230.0))
+    after = solver.stress * solver.volume_ratio[:, None, None]
+    assert np.max(np.abs(solver._native.values(STRAIN, 6))) > 1.0
+    assert np.allclose(after, tau, rtol=0.0, atol=tolerance * np.max(np.abs(tau)))
+
+
+def test_slowed_bone_does_not_snap_back():
+    """Its plastic strain to ruin grows with what it yields by: 10 % above it, as at full moduli."""
+    law = MATERIALS["cortical_bone"]
+    table = material_table([law], SPACING)
+    slope, shear = (COLUMNS.index(name) for name in ("damage_slope", "shear_modulus"))
+    strength = max(law.yield_stress, law.tensile_strength)
+    new = slowed(table, 100.0)
+    assert new[0, slope] < table[0, slope]
+    assert 1.0 / new[0, slope] == pytest.approx(1.1 * strength / (3.0 * new[0, shear]))

@@ -130,8 +130,9 @@ def test_tension_opens_voids_and_compression_closes_them_first():
     )
     _, _, opening, tau = apply(water, 0.1 / 3.0 * np.eye(3))
     cut = 1e5 / 2.2e9
+    cut += 2.5 * cut**2  # Tait's law bends: (K/7)(exp t - exp -6t) = K (t - 5/2 t²) and so on
     assert opening[0] == pytest.approx(0.1 - cut, rel=1e-8)
-    assert np.trace(tau[0]) / 3.0 == pytest.approx(1e5, rel=1e-3)  # Tait at ln J = 4.5e-5
+    assert np.trace(tau[0]) / 3.0 == pytest.approx(1e5, rel=1e-8)
     _, _, opening, tau = apply(water, -0.04 / 3.0 * np.eye(3), opening=0.1)
     assert opening[0] == pytest.approx(0.06, rel=1e-8)
     assert abs(np.trace(tau[0])) < 1e-3
@@ -241,3 +242,56 @@ def test_no_strain_of_finite_size_gives_a_number_that_is_not_finite(seed, tissue
     for values in (after.hencky, after.alpha, after.opening, after.tau, after.wave_speed):
         assert np.all(np.isfinite(values))
     assert np.all((after.damage >= 0.0) & (after.damage <= 1.0))
+
+
+def tait_part(bulk, t):
+    """(K/7)(J - J^-6) of ln J = t (PHYSICS 1.4)."""
+    return bulk / 7.0 * (np.exp(t) - np.exp(-6.0 * t))
+
+
+BENT = {"density": 1000.0, "bulk_modulus": 1e7, "shear_modulus": 2e6, "tait_exponent": 7.0}
+
+
+@pytest.mark.parametrize("cutoff", [1e4, 1e6, 5e6])
+def test_the_cutoff_of_the_pressure_holds_under_taits_law(cutoff):
+    """The stress stops at the cut-off itself, also where that is half of the bulk modulus."""
+    law = Material(**BENT, pressure_cutoff=cutoff)
+    strain = np.array([np.eye(3) * e for e in (0.5, 0.7, 1.0)])
+    _, _, opening, tau = apply(law, strain)
+    assert np.allclose(np.trace(tau, axis1=1, axis2=2) / 3.0, cutoff, rtol=1e-5)
+    assert np.all(opening > 0.0)
+
+
+def test_the_friction_of_a_cone_counts_taits_pressure():
+    """q = Y + M p with p of the same law as the stress, 3.3 times the linear one here."""
+    law = Material(**BENT, yield_stress=1e4, friction=0.1)
+    strain = np.diag([0.3, -0.3, 0.0]) - 0.1 * np.eye(3)
+    after, _, _, tau = apply(law, strain)
+    pressure = -tait_part(1e7, np.trace(after[0]))
+    assert pressure > 1.5 * 1e7 * 0.3
+    deviator = tau[0] + pressure * np.eye(3)
+    assert np.sqrt(1.5 * np.sum(deviator**2)) == pytest.approx(1e4 + 0.1 * pressure, rel=1e-6)
+
+
+@pytest.mark.parametrize("strain", [(0.2, 0, 0), (0.2, 0.15, -0.05), (0.2, 0.2, 0.2)])
+def test_rankine_holds_under_taits_law(strain):
+    """To 0.5 %: four iterations, each of which leaves some tenth of strains as large as these."""
+    law = Material(**BENT, tensile_strength=1e6)
+    after, _, opening, tau = apply(law, np.diag(strain))
+    assert np.linalg.eigvalsh(tau[0])[-1] == pytest.approx(1e6, rel=5e-3)
+    trace = np.trace(after[0])
+    expected = 4e6 * (after[0] - trace / 3.0 * np.eye(3)) + tait_part(1e7, trace) * np.eye(3)
+    assert np.allclose(tau[0], expected, rtol=1e-8, atol=1.0)
+    assert opening[0] > 0.0
+
+
+def test_strengths_without_limit_do_not_jump_when_the_damage_is_complete():
+    """The last millionth of the damage takes a millionth of the moduli, not all that is left."""
+    law = Material(density=1000.0, bulk_modulus=1e9, shear_modulus=1e8)
+    strain = np.diag([0.02, -0.01, 0.005])
+    damage = np.array([0.0, 1.0 - 1e-6, 1.0])
+    _, _, _, tau = apply(law, np.tile(strain, (3, 1, 1)), damage=damage)
+    intact, nearly, gone = tau
+    assert np.max(np.abs(intact)) > 1e6
+    assert np.all(np.linalg.eigvalsh(gone) <= 1.0)
+    assert np.max(np.abs(nearly - gone)) < 1e-5 * 1e9

@@ -57,6 +57,9 @@ CRACK_BAND = 2.0
 """Cells over which a crack softens: the gradient of a step in quadratic splines is a hat two cells
 wide [D]; bars pulled apart then spend the fracture energy within 15 % (test_injury_fracture.py)."""
 
+SNAP_BACK = 1.1
+"""Least span of softening over the yield strain; chosen: a cell snaps back below 1."""
+
 LOCKING_RATIO = 5.0
 """Bulk over shear modulus (Poisson's ratio 0.41) from which the constructors average the volume
 rate; chosen: below it locking is a matter of per cent."""
@@ -189,7 +192,7 @@ class Material:
         span = 2.0 * self.fracture_energy / (stress * CRACK_BAND * grid_spacing)
         if self.shear_modulus == 0.0 or not limits:
             return span
-        return max(span, 1.1 * max(limits) / (3.0 * self.shear_modulus))
+        return max(span, SNAP_BACK * max(limits) / (3.0 * self.shear_modulus))
 
     def row(self, grid_spacing: float) -> list[float]:
         """The native table's row for a cell of `grid_spacing` [m]."""
@@ -235,7 +238,22 @@ def slowed(table: FloatArray, sound_speed: float) -> FloatArray:
     lowered = np.clip(budget - 4.0 / 3.0 * total, np.minimum(2.0 * total, bulk), bulk)
     new[:, COLUMNS.index("bulk_modulus")] = np.where(soft, lowered, factor * bulk)
     new[:, COLUMNS.index("shear_modulus")] = np.where(soft, shear, factor * shear)
+    _without_snap_back(new)
     return new
+
+
+def _without_snap_back(table: FloatArray) -> None:
+    """Rows whose moduli were lowered soften over the yield strain that they have now at least."""
+    shear, slope, *strengths = (
+        table[:, COLUMNS.index(name)]
+        for name in ("shear_modulus", "damage_slope", "yield_stress", "tensile_strength")
+    )
+    limits = [np.where(strength < UNLIMITED, strength, 0.0) for strength in strengths]
+    largest = np.max(limits, axis=0)
+    steepest = np.divide(
+        3.0 * shear, SNAP_BACK * largest, out=slope.copy(), where=(shear > 0.0) & (largest > 0.0)
+    )
+    table[:, COLUMNS.index("damage_slope")] = np.minimum(slope, steepest)
 
 
 def elastic(density: float, youngs_modulus: float, poisson_ratio: float) -> Material:

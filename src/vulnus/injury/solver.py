@@ -21,7 +21,7 @@ from vulnus.core.errors import ScenarioError, StorageError
 from . import _native
 from .boundaries import Boundary, add_boundaries
 from .checked_values import positive
-from .material_model import COLUMNS
+from .material_change import bearable, same_bodies
 from .rigid_body import STATE_SIZE, BodyState, RigidBody, add_body
 from .solver_faults import body_fault, particle_fault
 
@@ -32,9 +32,6 @@ POSITION, VELOCITY, GRADIENT, STRAIN, PLASTIC_STRAIN, OPENING = 0, 3, 6, 15, 22,
 DAMAGE, NETWORK_STRAIN = 24, 25
 # xx yy zz xy yz zx as a matrix.
 FULL_TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
-
-FIXED_CONSTANTS = ("density", "network_modulus", "network_stiffening")
-"""What `MpmSolver.change_materials` must leave alone."""
 
 PARTICLES_AT_ONCE = 1 << 18  # chosen: 12 MB of copies instead of those of all particles
 PASSAGE_STEPS = 8
@@ -139,12 +136,9 @@ class MpmSolver:
 
     def _match_boundaries(self) -> None:
         add_boundaries(
-            self._native,
-            self._boundaries,
-            origin=self._origin,
-            grid_spacing=self.grid_spacing,
+            self._native, self._boundaries, origin=self._origin, grid_spacing=self.grid_spacing,
             materials=self._materials,
-        )
+        )  # fmt: skip
 
     def set_tracers(self, position: FloatArray) -> None:
         """Put in massless points (n, 3) [m] that move with the material."""
@@ -293,17 +287,8 @@ class MpmSolver:
                 "materials", "changed in the middle of an epoch", "Change them after `advance(t)`."
             )
         rows = np.ascontiguousarray(materials, dtype=np.float64)
-        fixed = [i for i, name in enumerate(COLUMNS) if name in FIXED_CONSTANTS]
-        if rows.shape != self._materials.shape:
-            raise ScenarioError(
-                "materials",
-                f"have shape {rows.shape}, must have {self._materials.shape}",
-                "Give one new row for every row of the table.",
-            )
-        if not np.array_equal(rows[:, fixed], self._materials[:, fixed]):
-            raise ScenarioError(
-                "materials", "change a density or a network", "Change moduli and strengths only."
-            )
+        same_bodies(self._materials, rows)
+        bearable(self._native.largest_strain_with(rows))
         self._energy_of_changes += self._native.set_materials(rows, rescale=True)
         self._materials = rows
         self._match_boundaries()
