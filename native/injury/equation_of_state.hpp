@@ -35,15 +35,15 @@ VULNUS_HD R volumetric_energy(const Material<R>& m, R trace) {
   return select(linear, square, m.bulk_modulus / n * curved);
 }
 
-// The strain t at which the pressure part is `wanted`, by Newton's method from t = 0 with steps up
-// to 1: the part grows and is concave from there on, so that it converges; in 6 iterations to
-// rounding for strengths up to a tenth of K, and in 6 a unit of strain beyond 1.
+// The strain at which the pressure part is `wanted`, by Newton's method from t with steps up to 1.
+// The part grows and is concave around 0, so that it converges from there; in 6 iterations a unit
+// of strain. Few points need it in a step: it is kept out of the laws' loop, with its own
+// constants.
 template <class R>
-VULNUS_HD R volume_strain_at(const Material<R>& m, R wanted, int iterations) {
+[[gnu::cold, gnu::noinline]] R volume_strain_at(Material<R> m, R wanted, R t, int iterations) {
   const R one = broadcast<R>(1);
   const auto linear = m.volume_exponent <= R{};
   const R n = select(linear, one, m.volume_exponent), a = m.volume_growth;
-  R t{};
   for (int i = 0; i < iterations; ++i) {
     const R up = exp_minus_one(a * t) + one, down = exp_minus_one((a - n) * t) + one;
     const R slope = m.bulk_modulus * (a * up - (a - n) * down) / n;
@@ -53,9 +53,9 @@ VULNUS_HD R volume_strain_at(const Material<R>& m, R wanted, int iterations) {
   return select(linear, wanted / m.bulk_modulus, t);
 }
 
-// K of a straight law through 0 with the pressure part that the strain t has.
+// K of a straight law through 0 with the pressure part that the strain t has; out of the loop, too.
 template <class R>
-VULNUS_HD R secant_bulk_modulus(const Material<R>& m, R t) {
+[[gnu::cold, gnu::noinline]] R secant_bulk_modulus(Material<R> m, R t) {
   const auto strained = (m.volume_exponent > R{}) & (absolute(t) > broadcast<R>(1e-6));
   if (!any(strained)) return m.bulk_modulus;
   const R divisor = select(strained, t, broadcast<R>(1));

@@ -127,9 +127,11 @@ VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockInde
     trouble.stress = stress.kirchhoff.xx + stress.kirchhoff.yy + stress.kirchhoff.zz;
     trouble.bad = stencil.outside | not_finite<T>(trouble.stress + v[0] + v[1] + v[2]);
   }
-  if (any(trouble.bad | trouble.inverted)) report(b, trouble, n, fault);
   const auto real = b.volume > typename LaneTraits<T>::Real{};
-  stress.kirchhoff = choose(real, stress.kirchhoff, Symmetric3<typename LaneTraits<T>::Real>{});
+  if (any(trouble.bad | trouble.inverted)) {
+    report(b, trouble, n, fault);
+    stress.kirchhoff = choose(real, stress.kirchhoff, Symmetric3<typename LaneTraits<T>::Real>{});
+  }
   if constexpr (Scatter)
     scatter_momentum(b, tile, stencil, stress.kirchhoff, n);
   else

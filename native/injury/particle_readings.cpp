@@ -64,7 +64,8 @@ ExchangedStrain exchange_strain(const Octet<T>& o, const Material<Double8>& old,
                                 const Material<Double8>& m) {
   ExchangedStrain e;
   e.before = o.hencky[0] + o.hencky[1] + o.hencky[2];
-  e.volume = volume_strain_at(m, volumetric_kirchhoff(old, e.before), kExchangeIterations);
+  e.volume =
+      volume_strain_at(m, volumetric_kirchhoff(old, e.before), Double8{}, kExchangeIterations);
   const auto fluid = m.shear_modulus <= Double8{};
   const Double8 ratio =
       select(fluid, Double8{}, old.shear_modulus) / select(fluid, Double8{} + 1.0, m.shear_modulus);

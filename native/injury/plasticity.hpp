@@ -117,8 +117,11 @@ VULNUS_HD Mask<R> return_to_pressure_cutoff(const Material<R>& m, R (&strain)[3]
   const R strength = strength_left(m.pressure_cutoff, m.bulk_modulus, sound);
   R limit = strength / m.bulk_modulus;
   const auto bent = (m.volume_exponent > R{}) & (limit > R{}) & (limit < broadcast<R>(1)) &
-                    (trace > broadcast<R>(0.5) * limit);
-  if (any(bent)) limit = select(bent, volume_strain_at(m, strength, kCutoffIterations), limit);
+                    (trace > broadcast<R>(0.9) * limit);
+  if (any(bent)) {  // from the straight law's strain x one iteration leaves 15 x^4 of Tait's
+    const int iterations = any(bent & (limit > broadcast<R>(0.01))) ? kCutoffIterations : 1;
+    limit = select(bent, volume_strain_at(m, strength, limit, iterations), limit);
+  }
   const R excess = maximum(trace - limit, R{});
   for (int a = 0; a < 3; ++a) strain[a] -= excess * broadcast<R>(1.0 / 3.0);
   point.opening += excess;
@@ -139,37 +142,55 @@ VULNUS_HD R crack_strain(const R (&over)[3], R lambda, R two_mu) {
   return maximum(crack, total / (broadcast<R>(3) * lambda + two_mu));
 }
 
-// The return itself. Where pressure is not straight in the volume strain its secant is, at the
-// strain that the crack leaves. Without shear modulus the pressure's cut-off is all there is.
+// Crack strain and tau - f_t, and Lame's first constant that goes with them.
+template <class R>
+struct Crack {
+  R over[3];
+  R lambda, sum;
+};
+
+template <class R>
+VULNUS_HD Crack<R> crack_at(R bulk, R two_mu, R strength, const R (&strain)[3]) {
+  Crack<R> c;
+  const R trace = strain[0] + strain[1] + strain[2];
+  c.lambda = bulk - two_mu * broadcast<R>(1.0 / 3.0);
+  for (int a = 0; a < 3; ++a) c.over[a] = two_mu * strain[a] + c.lambda * trace - strength;
+  c.sum = R{};
+  const R largest = maximum(c.over[0], maximum(c.over[1], c.over[2]));
+  if (any(largest > R{})) c.sum = crack_strain(c.over, c.lambda, two_mu);
+  return c;
+}
+
+// Where pressure is not straight in the volume strain its secant is, at the strain that the crack
+// leaves; rare, and so out of the laws' loop.
+template <class R>
+[[gnu::cold, gnu::noinline]] Crack<R> bent_crack(Material<R> m, R strength, R a, R b, R c) {
+  const R strain[3] = {a, b, c}, two_mu = broadcast<R>(2) * m.shear_modulus;
+  Crack<R> crack = crack_at(secant_bulk_modulus(m, a + b + c), two_mu, strength, strain);
+  for (int n = 0; n < kCrackIterations; ++n)
+    crack = crack_at(secant_bulk_modulus(m, a + b + c - crack.sum), two_mu, strength, strain);
+  return crack;
+}
+
+// The return itself. Without shear modulus the pressure's cut-off is all there is.
 template <class R>
 VULNUS_HD Mask<R> return_to_rankine(const Material<R>& m, R (&strain)[3], PointState<R>& point) {
   const R two_mu = broadcast<R>(2) * m.shear_modulus;
   const R sound = broadcast<R>(1) - point.worst_damage(m);
   const R strength = strength_left(m.tensile_strength, m.bulk_modulus, sound);
-  const R trace = strain[0] + strain[1] + strain[2];
-  R lambda, over[3];
-  auto exceed = [&](R bulk) {
-    lambda = bulk - two_mu * broadcast<R>(1.0 / 3.0);
-    for (int a = 0; a < 3; ++a) over[a] = two_mu * strain[a] + lambda * trace - strength;
-  };
-  const auto limited = (m.tensile_strength < broadcast<R>(kUnlimited)) & (two_mu > R{});
-  const auto bent = limited & (m.volume_exponent > R{});
-  exceed(any(bent) ? secant_bulk_modulus(m, trace) : m.bulk_modulus);
-  const R largest = maximum(over[0], maximum(over[1], over[2]));
-  const auto cracking = (largest > R{}) & (two_mu > R{});
+  const auto bent =
+      (m.tensile_strength < broadcast<R>(kUnlimited)) & (two_mu > R{}) & (m.volume_exponent > R{});
+  Crack<R> crack = crack_at(m.bulk_modulus, two_mu, strength, strain);
+  if (any(bent)) crack = bent_crack(m, strength, strain[0], strain[1], strain[2]);
+  const auto cracking = (crack.sum > R{}) & (two_mu > R{});
   if (!any(cracking)) return cracking;
-  R crack = crack_strain(over, lambda, two_mu);
-  for (int n = 0; n < kCrackIterations && any(bent & cracking); ++n) {
-    exceed(secant_bulk_modulus(m, trace - crack));
-    crack = crack_strain(over, lambda, two_mu);
-  }
-  crack = select(cracking, crack, R{});
   for (int a = 0; a < 3; ++a) {
-    const R part = maximum(over[a] - lambda * crack, R{}) / two_mu;
+    const R part = maximum(crack.over[a] - crack.lambda * crack.sum, R{}) / two_mu;
     strain[a] -= select(cracking, part, R{});
   }
-  point.opening += crack;
-  point.plastic_strain += m.opening_damage * crack;
+  const R opened = select(cracking, crack.sum, R{});
+  point.opening += opened;
+  point.plastic_strain += m.opening_damage * opened;
   return cracking;
 }
 

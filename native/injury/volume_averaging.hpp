@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "injury/block_grid.hpp"
 #include "injury/material.hpp"
@@ -33,16 +34,16 @@ T rate_correction(T mean, T weight, T rate) {
   return weight > T(0) ? (mean - rate) * T(1.0 / 3.0) : T(0);
 }
 
+inline bool is_uniform(const std::uint8_t* material, std::int32_t count) {
+  return count < 2 || std::memcmp(material, material + 1, count - 1) == 0;
+}
+
 // The points of one cell, `count` of them.
 template <class T>
 void average_cell(std::int32_t count, const std::uint8_t* material, const T* weight, T* rate) {
   VolumeRate<T> all;
-  bool mixed = false;
-  for (std::int32_t q = 0; q < count; ++q) {
-    all.add(weight[q], rate[q]);
-    mixed |= material[q] != material[0];
-  }
-  if (!mixed) {
+  for (std::int32_t q = 0; q < count; ++q) all.add(weight[q], rate[q]);
+  if (is_uniform(material, count)) {
     const T mean = all.mean();
     for (std::int32_t q = 0; q < count; ++q) rate[q] = rate_correction(mean, weight[q], rate[q]);
     return;

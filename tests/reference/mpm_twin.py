@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from vulnus.injury.materials import COLUMNS
 
@@ -44,7 +45,8 @@ def at_rest(x: np.ndarray, v: np.ndarray) -> TwinState:
 
 def columns(table: np.ndarray, material: np.ndarray) -> dict[str, np.ndarray]:
     """The material constants of every particle by name."""
-    return {name: table[material, i] for i, name in enumerate(COLUMNS)}
+    values = {name: table[material, i] for i, name in enumerate(COLUMNS)}
+    return {**values, "material": material}
 
 
 def principal_kirchhoff(m: dict[str, np.ndarray], strain: np.ndarray) -> np.ndarray:
@@ -56,6 +58,17 @@ def principal_kirchhoff(m: dict[str, np.ndarray], strain: np.ndarray) -> np.ndar
     volumetric = np.where(m["volume_exponent"] > 0, curved, m["bulk_modulus"] * trace)
     deviator = strain - trace[:, None] / 3.0
     return 2.0 * m["shear_modulus"][:, None] * deviator + volumetric[:, None]
+
+
+def strain_at(k: dict[str, float], tension: float) -> float:
+    """Volumetric strain where the pressure part of the Kirchhoff stress is `tension`."""
+    straight, n = tension / k["bulk_modulus"], k["volume_exponent"]
+    if n == 0.0 or not 0.0 < straight < 1.0:
+        return straight
+    a = k["volume_growth"]
+    return brentq(
+        lambda t: (np.exp(a * t) - np.exp((a - n) * t)) / n - straight, 0.0, 5.0, xtol=1e-17
+    )
 
 
 def softening(m: dict[str, np.ndarray], alpha: np.ndarray) -> np.ndarray:
@@ -131,7 +144,7 @@ def return_map(
             strain[p] = mean
         # pressure cut-off
         sound = 1.0 - max(softening(lone, alpha[p : p + 1])[0], damage[p])
-        excess = max(strain[p].sum() - sound * k["pressure_cutoff"] / k["bulk_modulus"], 0.0)
+        excess = max(strain[p].sum() - strain_at(k, sound * k["pressure_cutoff"]), 0.0)
         strain[p] -= excess / 3.0
         opening[p] += excess
         alpha[p] += k["opening_damage"] * excess
@@ -170,9 +183,11 @@ def stencil(x: np.ndarray, dx: float) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return node.astype(int), weight, node * dx - x[:, None, :]
 
 
-def averaged_rate(c: np.ndarray, x: np.ndarray, dx: float, weight: np.ndarray) -> np.ndarray:
-    """`c` with its trace averaged over the points that share a base node, by `weight` (n,)."""
-    base = np.floor(x / dx - 0.5).astype(int)
+def averaged_rate(
+    c: np.ndarray, x: np.ndarray, dx: float, weight: np.ndarray, material: np.ndarray
+) -> np.ndarray:
+    """`c` with its trace averaged over points of one material and base node, by `weight` (n,)."""
+    base = np.column_stack([np.floor(x / dx - 0.5).astype(int), material])
     _, group = np.unique(base, axis=0, return_inverse=True)
     group = group.ravel()
     trace = np.trace(c, axis1=1, axis2=2)
@@ -211,7 +226,7 @@ def step(
     local = grid_v[flat]
     v = np.einsum("nk,nki->ni", weight, local)
     c = 4.0 / dx**2 * np.einsum("nk,nki,nkj->nij", weight, local, arm)
-    f = np.eye(3) + dt * averaged_rate(c, s.x, dx, volume * m["volume_averaging"])
+    f = np.eye(3) + dt * averaged_rate(c, s.x, dx, volume * m["volume_averaging"], m["material"])
     b = np.einsum("nij,njk,nlk->nil", f, s.b, f)
     network = np.einsum("nij,njk,nlk->nil", f, s.network, f)
     damage = np.maximum(s.damage, network_damage(m, network))
