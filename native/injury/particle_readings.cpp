@@ -225,9 +225,12 @@ double largest_exchanged_strain(const ParticleSet<T>& set, const MaterialTable<d
     const Octet<T> o(set, first);
     const ExchangedStrain e = exchange_strain(o, look_up_material(before, o.material),
                                               look_up_material(after, o.material));
+    const Double8 *h = e.hencky, mean = (h[0] + h[1] + h[2]) / 3.0;
+    const Double8 most = maximum(h[0], maximum(h[1], h[2]));
+    const Double8 least = minimum(h[0], minimum(h[1], h[2]));
+    const Double8 spread = maximum(most - least, absolute(mean)) * 0.5;
     for (int i = 0; i < kLanes && first + i < set.places(); ++i)
-      for (int a = 0; a < 3; ++a)
-        if (set.id[first + i] >= 0) largest = std::max(largest, std::abs(e.hencky[a][i]));
+      if (set.id[first + i] >= 0) largest = std::max(largest, spread[i]);
   }
   return largest;
 }

@@ -37,7 +37,8 @@ template <class T>
 double exchange_materials(ParticleSet<T>& set, const MaterialTable<double>& before,
                           const MaterialTable<double>& after);
 
-// The largest principal Hencky strain that this would leave.
+// Half of the largest difference of two principal Hencky strains that this would leave, or of the
+// largest mean of the three.
 template <class T>
 double largest_exchanged_strain(const ParticleSet<T>& set, const MaterialTable<double>& before,
                                 const MaterialTable<double>& after);

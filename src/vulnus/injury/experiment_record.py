@@ -93,7 +93,8 @@ class Record:
         }
         total = sum(kept.values())
         before = self._columns.get("energy/total", [np.array(total)])[0]
-        lost = float(before) + work - total
+        softened = self._started.solver.energy_of_changes  # by slow_waves: not from the tissue
+        lost = float(before) + work + softened - total
         return {**kept, "total": total, "work": work, "dissipated": lost}
 
     def state(self) -> CheckpointData:

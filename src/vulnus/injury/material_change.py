@@ -13,8 +13,9 @@ FIXED_CONSTANTS = ("density", "network_modulus", "network_stiffening")
 """What `MpmSolver.change_materials` must leave alone."""
 
 LARGEST_STRAIN = 2.0
-"""Principal Hencky strain after the change. Chosen: b_e spans exp(±4) there, of which single
-precision still keeps the smallest value to a thousandth."""
+"""Half of the largest difference of two principal Hencky strains after the change, or of their
+mean. Chosen: the values of b_e are as 1 to 3000 there, of which single precision still keeps the
+smallest to a hundredth."""
 
 
 def same_bodies(before: FloatArray, after: FloatArray) -> None:
@@ -33,7 +34,7 @@ def same_bodies(before: FloatArray, after: FloatArray) -> None:
 
 
 def bearable(strain: float) -> None:
-    """Refuse a change after which unchanged stress needs such a principal strain."""
+    """Refuse a change after which unchanged stress needs such a strain."""
     if not strain <= LARGEST_STRAIN:
         raise ScenarioError(
             "materials",
