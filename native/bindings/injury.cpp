@@ -128,6 +128,18 @@ class Solver {
     }
   }
 
+  // Positions (count, 3) [m] in the particles' original order.
+  Result<T> positions() {
+    auto out = values(kPosition, 3);
+    const T ahead = T(solver_.shown_ahead());
+    const auto& set = solver_.particles();
+    for (int p = 0; ahead != T(0) && p < set.places(); ++p)
+      if (set.id[p] >= 0)
+        for (int a = 0; a < 3; ++a)
+          out.data()[std::size_t(set.id[p]) * 3 + a] -= ahead * set.field[kVelocity + a][p];
+    return out;
+  }
+
   // Values of consecutive fields in the particles' original order.
   Result<T> values(int first, int count) {
     const auto& set = solver_.particles();
@@ -276,16 +288,18 @@ void bind_solver(nb::module_& m, const char* name) {
       .def("state_id", &S::state_id)
       .def("state_material", &S::state_material)
       .def("restore", &S::restore)
+      .def("positions", &S::positions)
       .def("stress", &S::stress)
       .def("energies", &S::energies)
       .def("set_materials", &S::set_materials, nb::arg("rows"), nb::kw_only(), nb::arg("rescale"))
       .def("largest_strain_with", &S::largest_strain_with)
       .def("totals", &S::totals, nb::kw_only(), nb::arg("grid"))
       .def("advance",
-           [](S& s, int max_steps, double stop_time) {
+           [](S& s, int max_steps, double stop_time, double next_stop) {
              nb::gil_scoped_release release;
-             return s.native().advance(max_steps, stop_time);
+             return s.native().advance(max_steps, stop_time, next_stop);
            })
+      .def("settle", [](S& s) { s.native().settle(); })
       .def("scatter_only", [](S& s, double dt) { s.native().scatter_only(dt); })
       .def("gather_only", [](S& s, double dt) { s.native().gather_only(dt); })
       .def_prop_ro("synchronized", [](S& s) { return s.native().synchronized(); })

@@ -61,6 +61,7 @@ void MpmSolver<T>::restore(double time, std::int64_t steps, double sound_speed) 
   steps_ = steps;
   sound_speed_ = sound_speed;
   stage_ = EpochStage::kOver;
+  looking_ = false;
   fault_.clear();
   faulty_body_ = -1;
 }
@@ -135,7 +136,7 @@ void MpmSolver<T>::move_bodies(double dt) {
 
 // Sorts and scatters; whether that is done. What takes long is left to the next call.
 template <class T>
-bool MpmSolver<T>::start_epoch(double stop_time, double call_began) {
+bool MpmSolver<T>::start_epoch(const Stops& stops, double call_began) {
   auto late = [&] { return wall_clock() - call_began > kLongCall; };
   if (stage_ == EpochStage::kOver) {
     if (late()) return false;
@@ -143,19 +144,25 @@ bool MpmSolver<T>::start_epoch(double stop_time, double call_began) {
     stage_ = EpochStage::kSorted;
   }
   if (late()) return false;
-  scatter_epoch(stop_time);
+  scatter_epoch(stops);
   return !late();
 }
 
 template <class T>
-void MpmSolver<T>::scatter_epoch(double stop_time) {
+void MpmSolver<T>::scatter_epoch(const Stops& stops) {
   const double fastest = std::max(largest_particle_speed(), largest_rigid_speed());
-  if (step_collapses(fastest, stop_time)) report_collapse(fastest);
-  step_ = clipped_step(fastest, stop_time);
+  if (step_collapses(fastest, stops.first)) report_collapse(fastest);
+  step_ = clipped_step(fastest, stops.first);
   drift_ = 0;
-  begin_passage(fastest, stop_time);
+  begin_passage(fastest, stops.end());
   particle_pass<false, true>({0, step_, ahead_});
   stage_ = EpochStage::kRunning;
+}
+
+// Longest time between two passages: of whole steps, and a little, also where looks cut them short.
+template <class T>
+double MpmSolver<T>::passage_span(double speed) const {
+  return (settings_.passage_steps + 1e-6) * stable_step(speed);
 }
 
 // The particles go ahead to where they will be in the middle of the steps that the nodes will keep
@@ -163,52 +170,54 @@ void MpmSolver<T>::scatter_epoch(double stop_time) {
 // move along the velocity that they carry, so that no angular momentum is lost. Where a passage
 // ends early, because speeds grew, they are too far ahead and step back.
 template <class T>
-void MpmSolver<T>::begin_passage(double speed, double stop_time) {
-  const double cells = kPassageDrift * settings_.grid_spacing;
+void MpmSolver<T>::begin_passage(double speed, double epoch_end) {
   const double left_in_epoch = kStepsPerEpoch - static_cast<double>(steps_ % kStepsPerEpoch);
-  double steps = std::min<double>(left_in_epoch, settings_.passage_steps);
-  if (steps * speed * step_ > cells) steps = std::max(1.0, std::floor(cells / (speed * step_)));
-  ahead_ = std::max(0.0, 0.5 * (std::min(steps * step_, stop_time - time_) - step_));
+  double span = passage_span(speed);
+  if (speed > 0) span = std::min(span, kPassageDrift * settings_.grid_spacing / speed);
+  const double steps = std::clamp(std::floor(span / step_), 1.0, left_in_epoch);
+  ahead_ = std::max(0.0, 0.5 * (std::min(steps * step_, epoch_end - time_) - step_));
   since_passage_ = 0;
-  kept_steps_ = 0;
   passage_drift_ = 0;
   nodes_keep_ = false;
 }
 
 template <class T>
-int MpmSolver<T>::advance(int max_steps, double stop_time) {
+int MpmSolver<T>::advance(int max_steps, double stop_time, double next_stop) {
   const double call_began = wall_clock();
+  const Stops stops{stop_time, std::max(stop_time, next_stop)};
   int done = 0;
   while (done < max_steps && time_ < stop_time && fault_.bits() == kNoFault && faulty_body_ < 0) {
-    if (stage_ != EpochStage::kRunning && !start_epoch(stop_time, call_began)) break;
+    if (stage_ != EpochStage::kRunning && !start_epoch(stops, call_began)) break;
     if (fault_.bits() != kNoFault) break;
-    take_step(stop_time);
+    take_step(stops);
     ++done;
   }
   return done;
 }
 
 template <class T>
-void MpmSolver<T>::take_step(double stop_time) {
+void MpmSolver<T>::take_step(const Stops& stops) {
   cut_tissue();
   const double speed = update_grid(step_);
   move_bodies(step_);
   move_tracers(step_);
   const double dt = step_;
   // A step that was not cut for this stop (it was begun before another one) goes past it.
-  time_ = std::abs(stop_time - time_ - dt) <= 1e-9 * dt ? stop_time : time_ + dt;
+  time_ = std::abs(stops.first - time_ - dt) <= 1e-9 * dt ? stops.first : time_ + dt;
   drift_ += speed * dt;
   ++steps_;
   const int in_epoch = static_cast<int>(steps_ % kStepsPerEpoch);
   const double fastest = std::max(speed, largest_rigid_speed());
-  const double next = clipped_step(fastest, stop_time);
-  const bool epoch_ends = time_ >= stop_time || in_epoch == 0 ||
+  const double next_stop = time_ < stops.first ? stops.first : stops.second;
+  const double next = clipped_step(fastest, next_stop);
+  const bool epoch_ends = time_ >= next_stop || in_epoch == 0 ||
                           drift_ + 2 * fastest * next > kDriftLimit * settings_.grid_spacing;
   if (!epoch_ends) step_ = next;
   since_passage_ += dt;
   passage_drift_ += fastest * dt;
-  nodes_keep_ = !epoch_ends && ++kept_steps_ < settings_.passage_steps &&
+  nodes_keep_ = !epoch_ends && since_passage_ + next <= passage_span(fastest) &&
                 passage_drift_ + fastest * next <= kPassageDrift * settings_.grid_spacing;
+  looking_ = !epoch_ends && time_ >= stops.first;
   if (epoch_ends) {
     particle_pass<true, false>({dt, 0, since_passage_ - ahead_});
     stage_ = EpochStage::kOver;
@@ -216,10 +225,22 @@ void MpmSolver<T>::take_step(double stop_time) {
     particle_pass<true, true>({dt, next, 0});
   } else {
     const double late = since_passage_ - ahead_;
-    begin_passage(fastest, stop_time);
+    begin_passage(fastest, stops.end());
     particle_pass<true, true>({dt, next, late + ahead_});
   }
-  if (fault_.bits() == kNoFault && step_collapses(fastest, stop_time)) report_collapse(fastest);
+  if (fault_.bits() == kNoFault && step_collapses(fastest, next_stop)) report_collapse(fastest);
+}
+
+template <class T>
+void MpmSolver<T>::settle() {
+  if (!looking_) return;
+  const T ahead = T(shown_ahead());
+#pragma omp parallel for schedule(static)
+  for (int p = 0; p < particles_.places(); ++p)
+    for (int a = 0; a < 3; ++a)
+      particles_.field[kPosition + a][p] -= ahead * particles_.field[kVelocity + a][p];
+  looking_ = false;
+  stage_ = EpochStage::kOver;
 }
 
 template <class T>

@@ -4,7 +4,9 @@
 // Steps come in epochs. An epoch starts by sorting the particles; then, until a particle may have
 // drifted by a cell, each step is one fused pass over the particles: gather from the old nodes,
 // update strain and stress, scatter to the tiles for the next step. At the end of an epoch
-// (`synchronized()`) the particles hold the whole state, and only there may it be saved.
+// (`synchronized()`) the particles hold the whole state, and only there may it be saved. Between
+// epochs' ends a run may stop for a look: the particles then tell their velocities, and the run goes
+// on as if nobody had looked, but for the length of the steps before.
 //
 // Momentum passes from the nodes to the particles and back only when tissue or bodies may have
 // moved by a part of a cell. In between, the nodes keep their velocity, the particles their place
@@ -14,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/fault.hpp"
@@ -34,7 +37,7 @@ struct SolverSettings {
   double domain_lower[3] = {0, 0, 0};  // local frame
   double domain_upper[3] = {0, 0, 0};
   double largest_step = 1e30;
-  int passage_steps = 1;        // between two passages of momentum, at most
+  int passage_steps = 1;        // whole ones between two passages of momentum, at most
   int contact_iterations = 60;  // of a body's velocity in contact, at most
 };
 
@@ -58,6 +61,14 @@ struct PassTimes {
   double travel;     // for which the particles move
 };
 
+// Where steps end: at the first stop, for a look where a later one follows, and at that.
+struct Stops {
+  double first, second;
+
+  // Of the epoch, as far as is known.
+  double end() const { return second > first ? std::numeric_limits<double>::infinity() : first; }
+};
+
 enum class EpochStage : int {
   kOver,    // the particles hold the whole state
   kSorted,  // they stand in the order of the new grid
@@ -78,10 +89,16 @@ class MpmSolver {
   void set_materials(const MaterialTable<T>& materials, double sound_speed);
 
   // Takes at most max_steps steps, not past stop_time; returns how many. Where the start of an
-  // epoch takes long it is a call of its own, so that no call is much longer than the others.
-  int advance(int max_steps, double stop_time);
+  // epoch takes long it is a call of its own, so that no call is much longer than the others. The
+  // epoch ends at stop_time, unless the run will go on to a later next_stop: then stop_time is for a
+  // look only.
+  int advance(int max_steps, double stop_time, double next_stop);
+  // Ends the epoch at a look.
+  void settle();
 
   bool synchronized() const { return stage_ == EpochStage::kOver; }
+  // The time by which the particles' places are ahead of where they are, at a look.
+  double shown_ahead() const { return looking_ ? ahead_ - since_passage_ : 0; }
   double time() const { return time_; }
   std::int64_t steps() const { return steps_; }
   double step_size() const { return step_; }
@@ -101,16 +118,17 @@ class MpmSolver {
   void gather_only(double dt);
 
  private:
-  bool start_epoch(double stop_time, double call_began);
-  void scatter_epoch(double stop_time);
-  void begin_passage(double speed, double stop_time);
+  bool start_epoch(const Stops& stops, double call_began);
+  void scatter_epoch(const Stops& stops);
+  void begin_passage(double speed, double epoch_end);
+  double passage_span(double speed) const;
   double stable_step(double speed) const;
   double clipped_step(double speed, double stop_time) const;
   double largest_particle_speed() const;
   double largest_rigid_speed() const;
   bool step_collapses(double speed, double stop_time) const;
   void report_collapse(double speed);
-  void take_step(double stop_time);
+  void take_step(const Stops& stops);
   double update_grid(double dt);
   void sum_tiles(int i);
   void sum_all_tiles();
@@ -153,13 +171,13 @@ class MpmSolver {
   double drift_ = 0;          // how far a particle may have moved since the sort [m]
   double passage_drift_ = 0;  // how far anything may have since momentum last passed [m]
   double since_passage_ = 0;  // [s]
-  int kept_steps_ = 0;        // since then
   double ahead_ = 0;          // of the particles, at the last passage [s]
   double sound_speed_ = 0;
   double resting_speed_ = 0;  // of waves in the fastest material at rest
   std::int64_t steps_ = 0;
   EpochStage stage_ = EpochStage::kOver;
   bool nodes_keep_ = false;  // nodes hold velocities, tiles impulses
+  bool looking_ = false;     // particles hold the velocities of this moment too
 };
 
 extern template class MpmSolver<float>;

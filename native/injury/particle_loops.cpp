@@ -132,10 +132,8 @@ VULNUS_HD typename LaneTraits<T>::Real step_bundle(Bundle<T>& b, const BlockInde
     report(b, trouble, n, fault);
     stress.kirchhoff = choose(real, stress.kirchhoff, Symmetric3<typename LaneTraits<T>::Real>{});
   }
-  if constexpr (Scatter)
-    scatter_momentum(b, tile, stencil, stress.kirchhoff, n);
-  else
-    b.store_motion();
+  if constexpr (Scatter) scatter_momentum(b, tile, stencil, stress.kirchhoff, n);
+  if (!Scatter || n.look) b.store_motion();
   return select(real, stress.sound_speed_squared, typename LaneTraits<T>::Real{});
 }
 
@@ -176,7 +174,8 @@ void MpmSolver<T>::particle_pass(PassTimes times) {
                    T(dither_of_step(steps_)),
                    {},
                    {},
-                   nodes_keep_};
+                   nodes_keep_,
+                   looking_};
   for (int a = 0; a < 3; ++a) {
     n.lower[a] = T(settings_.domain_lower[a]);
     n.upper[a] = T(settings_.domain_upper[a]);

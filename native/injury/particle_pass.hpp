@@ -21,6 +21,7 @@ struct PassNumbers {
   T dither;   // of the places' rounding, below half of their last digit
   T lower[3], upper[3];
   bool nodes_keep;  // their momentum in the step that begins: particles stay in their places
+  bool look;        // particles also keep the motion of the step that ends
 };
 
 // Velocity and its gradient.

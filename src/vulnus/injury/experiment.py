@@ -132,29 +132,34 @@ class Experiment(ExperimentSetup):
         if replayed is not None:
             return self._result(record, stopped_early=replayed.stopped)
 
-        def stops() -> bool:
-            return stop_when is not None and bool(stop_when(self))
+        history.resume(schedule, solver, record)
+        stopped = False
 
-        stopped = history.resume(schedule, solver, record) and stops()
+        def save() -> None:
+            if checkpoint is not None and solver.synchronized and checkpoint.due():
+                checkpoint.save(history.data(solver, record))
+
+        def report() -> None:
+            bar.update(solver.time / MILLISECOND, f"{solver.steps} steps")
+
         bar = progress or SilentProgress()
         bar.begin("experiment", schedule.until / MILLISECOND, "ms")
         try:
-            times = iter(()) if stopped else schedule.after(solver.time)
-            for time in times:
-                solver.advance(
-                    time,
-                    on_call=lambda: bar.update(solver.time / MILLISECOND, f"{solver.steps} steps"),
-                )
+            for time, then in schedule.after(solver.time):
+                while solver.time < time:
+                    solver.advance_epoch(time, then=then, on_call=report)
+                    if solver.time < time:
+                        save()
                 record.add(self._reading(), snapshot=schedule.is_snapshot(solver.time))
                 if on_sample is not None:
                     on_sample(self)
-                if checkpoint is not None and checkpoint.due():
-                    checkpoint.save(history.data(solver, record))
-                stopped = stops()
+                stopped = stop_when is not None and bool(stop_when(self))
                 if stopped:
                     break
+                save()
         finally:
             bar.end()
+        solver.settle()
         history.finish(schedule, solver, record, stopped=stopped)
         return self._result(record, stopped_early=stopped)
 

@@ -116,11 +116,11 @@ class RunHistory:
         self._finished.append(run)
         return run
 
-    def resume(self, schedule: SampleSchedule, solver: MpmSolver, record: Record) -> bool:
-        """Go on within the coming run where the checkpoint was saved in it; tells whether so."""
+    def resume(self, schedule: SampleSchedule, solver: MpmSolver, record: Record) -> None:
+        """Go on within the coming run where the checkpoint was saved in it."""
         saved, number = self._saved, len(self._finished)
         if saved is None or int(saved["run"]) != number:
-            return False
+            return
         if float(saved["time"]) > schedule.until:
             self._refuse_run(
                 number, f"was at {float(saved['time']):g} s, after until = {schedule.until:g} s"
@@ -129,7 +129,6 @@ class RunHistory:
         solver.restore(saved)
         record.restore(saved)
         self._saved = None
-        return True
 
     def finish(
         self, schedule: SampleSchedule, solver: MpmSolver, record: Record, *, stopped: bool
@@ -140,7 +139,7 @@ class RunHistory:
         self._finished.append(FinishedRun(schedule, stopped, *counts, self._materials, state))
 
     def data(self, solver: MpmSolver, record: Record) -> CheckpointData:
-        """All that a checkpoint holds, at a sample of the present run."""
+        """All that a checkpoint holds, at the end of an epoch of the present run."""
         data: dict[str, object] = {
             **solver.state(),
             **record.state(),

@@ -66,6 +66,8 @@ class _Run:
     ) -> None:
         self.setup, self.checkpoint, self.on_frame = setup, checkpoint, on_frame
         self.schedule = schedule(setup.parameters, setup.thrust_end)
+        # A guided body turns at a step's end, so that its deepest place is noted.
+        self.stops = np.unique([*self.schedule.times, *setup.turns])
         self.record = RunRecord(setup.solver, setup.connected)
 
     def to_the_end(self, progress: Progress) -> None:
@@ -96,15 +98,15 @@ class _Run:
     def _epoch(self, until: float, report: Callable[[], None]) -> None:
         solver, record = self.setup.solver, self.record
         start = clock.perf_counter()
-        # A guided body turns at the end of an epoch, so that its deepest place is noted.
-        stop = min((turn for turn in self.setup.turns if turn > solver.time), default=until)
-        solver.advance_epoch(min(stop, until), on_call=report)
+        number = int(np.searchsorted(self.stops, solver.time, side="right"))
+        stop, then = self.stops[number], self.stops[min(number + 1, len(self.stops) - 1)]
+        solver.advance_epoch(float(stop), then=float(then), on_call=report)
         record.wall += clock.perf_counter() - start
         record.follow(solver)
-        if self._flight_is_over():
+        if solver.synchronized and self._flight_is_over():
             solver.change_materials(self._slowed_materials())
             record.relaxed = True
-        if self.checkpoint.due() and solver.time < until:
+        if solver.synchronized and solver.time < until and self.checkpoint.due():
             self.checkpoint.save({**solver.state(), **record.entries()})
 
     def _end_of_frame(self, index: int) -> None:

@@ -73,15 +73,25 @@ class SampleSchedule:
             "samples_per_snapshot": float(self.samples_per_snapshot),
         }
 
-    def after(self, now: float) -> Iterator[float]:
-        """Times [s] of the samples after `now`, the last at `until`; none where that is over."""
-        if now >= self.until:
-            return
-        index = math.floor(now / self.sample_interval + ROUND_OFF) + 1
-        while index * self.sample_interval < self.until - ROUND_OFF * self.sample_interval:
-            yield index * self.sample_interval
+    def after(self, now: float) -> Iterator[tuple[float, float]]:
+        """Times [s] of the samples after `now`, each with the next one; none where that is over.
+
+        The last is at `until`, and its own next one.
+        """
+        index = math.floor(now / self.sample_interval + ROUND_OFF)
+        time = now
+        while time < self.until:
             index += 1
-        yield self.until
+            following = self._time(index)
+            if time > now:
+                yield time, following
+            time = following
+        if time > now:
+            yield time, time
+
+    def _time(self, index: int) -> float:
+        time = index * self.sample_interval
+        return time if time < self.until - ROUND_OFF * self.sample_interval else self.until
 
     def is_snapshot(self, time: float) -> bool:
         """Whether the sample at this time [s] is a snapshot."""

@@ -153,29 +153,38 @@ class MpmSolver:
         """
         done = 0
         while self.time < until and done < max_steps:
-            done += self._call(min(self._steps_per_call, max_steps - done), until)
+            done += self._call(min(self._steps_per_call, max_steps - done), until, until)
             if on_call is not None:
                 on_call()
         return done
 
-    def advance_epoch(self, until: float, *, on_call: Callable[[], None] | None = None) -> None:
+    def advance_epoch(
+        self, until: float, *, then: float = 0.0, on_call: Callable[[], None] | None = None
+    ) -> None:
         """Step to the end of the epoch, at most 64 steps, or to `until` [s].
 
-        Only there can the state be saved. Where epochs end does not depend on the calls.
+        Only at an epoch's end can the state be saved. Where epochs end does not depend on the
+        calls. At `until` the epoch ends too, unless the run is to go on to a later time `then` [s]:
+        momentum that passes from nodes to particles and back loses some energy, so that a look at
+        every sample must not end an epoch. `settle` ends it all the same.
         """
         reported = clock.perf_counter()
-        self._call(1, until)
-        while not self.synchronized:
-            self._call(1, until)
+        self._call(1, until, then)
+        while not self.synchronized and self.time < until:
+            self._call(1, until, then)
             if on_call is not None and clock.perf_counter() > reported + WALL_TIME_OF_A_CALL:
                 reported = clock.perf_counter()
                 on_call()
         if on_call is not None:
             on_call()
 
-    def _call(self, steps: int, until: float) -> int:
+    def settle(self) -> None:
+        """End the epoch after `advance_epoch` stopped for a look, so that the state can be saved."""
+        self._native.settle()
+
+    def _call(self, steps: int, until: float, then: float) -> int:
         start = clock.perf_counter()
-        taken = self._native.advance(steps, until)
+        taken = self._native.advance(steps, until, then)
         self._raise_fault()
         wall = max(clock.perf_counter() - start, 1e-6)
         if taken > 0:  # not only the start of an epoch
@@ -218,13 +227,13 @@ class MpmSolver:
     @property
     def position(self) -> FloatArray:
         """Positions (n, 3) [m] in the order of `set_particles`."""
-        local: FloatArray = np.asarray(self._native.values(POSITION, 3), np.float64)
+        local: FloatArray = np.asarray(self._native.positions(), np.float64)
         local += self._origin
         return local
 
     @property
     def velocity(self) -> AnyArray:
-        """Velocities (n, 3) [m/s]; of the end of the newest epoch."""
+        """Velocities (n, 3) [m/s]; of the end of the newest epoch, or of the newest look."""
         return self._native.values(VELOCITY, 3)
 
     @property
