@@ -5,8 +5,8 @@
 // drifted by a cell, each step is one fused pass over the particles: gather from the old nodes,
 // update strain and stress, scatter to the tiles for the next step. At the end of an epoch
 // (`synchronized()`) the particles hold the whole state, and only there may it be saved. Between
-// epochs' ends a run may stop for a look: the particles then tell their velocities, and the run goes
-// on as if nobody had looked, but for the length of the steps before.
+// epochs' ends a run may stop for a look: the particles then tell their velocities, and the run
+// goes on as if nobody had looked, but for the length of the steps before.
 //
 // Momentum passes from the nodes to the particles and back only when tissue or bodies may have
 // moved by a part of a cell. In between, the nodes keep their velocity, the particles their place
@@ -90,8 +90,8 @@ class MpmSolver {
 
   // Takes at most max_steps steps, not past stop_time; returns how many. Where the start of an
   // epoch takes long it is a call of its own, so that no call is much longer than the others. The
-  // epoch ends at stop_time, unless the run will go on to a later next_stop: then stop_time is for a
-  // look only.
+  // epoch ends at stop_time, unless the run will go on to a later next_stop: then stop_time is for
+  // a look only.
   int advance(int max_steps, double stop_time, double next_stop);
   // Ends the epoch at a look.
   void settle();

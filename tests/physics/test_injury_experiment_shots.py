@@ -236,3 +236,25 @@ def test_a_mesh_is_a_body_and_a_projectile() -> None:
     result = experiment.run(until=1e-6)
     assert result.body("mesh").mass == pytest.approx(8e-3, rel=1e-6)
     assert result.rigid_body("slug").depth[0] == pytest.approx(0.055 - 0.09, abs=5e-4)
+
+
+def test_samples_are_looks_that_change_nothing() -> None:
+    """A shot that is sampled at every other step goes as deep as one that is not.
+
+    Within 1 %: samples cut steps short, and passages of momentum fall elsewhere (measured: 0.6 %;
+    it was 29 % when every sample ended an epoch).
+    """
+    depth = []
+    for samples in (2, 400):
+        experiment = Experiment(grid_spacing=3e-3)
+        block = Block(size=(45e-3, 45e-3, 42e-3), centre=(0.0, 0.0, -21e-3))
+        experiment.add_body(block, material="gelatin_10")
+        ball = RigidBody(
+            shape=Sphere(7.5e-3), centre=(0.0, 0.0, 7.6e-3), velocity=(0.0, 0.0, -150.0),
+            mass=2e-3, motion="dynamic", name="ball",
+        )  # fmt: skip
+        experiment.add_rigid_body(ball)
+        result = experiment.run(until=2e-4, sample_interval=2e-4 / samples)
+        assert np.diff(result.time) == pytest.approx(2e-4 / samples)
+        depth.append(result.rigid_body("ball").depth[-1])
+    assert depth[1] == pytest.approx(depth[0], rel=0.01)

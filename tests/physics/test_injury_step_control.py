@@ -135,7 +135,7 @@ def test_a_long_start_of_an_epoch_is_a_call_of_its_own():
     walls, taken = [], []
     for _ in range(12):
         start = time.perf_counter()
-        taken.append(solver._native.advance(1, 1.0))
+        taken.append(solver._native.advance(1, 1.0, 1.0))
         walls.append(time.perf_counter() - start)
     assert sum(taken) > 0
     whole = solver_of(x)

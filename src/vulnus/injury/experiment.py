@@ -98,8 +98,10 @@ class Experiment(ExperimentSetup):
         hundredth of `until`) and at the end; snapshots of all particles at the multiples of
         `snapshot_interval` [s], which must be samples. At each sample
         `on_sample` is called with the experiment, and `stop_when` may end the run by giving True.
-        Call `run` again with a later `until` to go on. `checkpoint` keeps the state at samples,
-        when it is due; the same script, started anew, goes on from there: runs that were finished
+        Samples may be as dense as you like; each takes a time step's end, no more. Call `run` again
+        with a later `until` to go on: where a run ends, all momentum passes to the particles, which
+        smooths it a little, so that many short runs are not quite one long run. `checkpoint` keeps
+        the state when it is due; the same script, started anew, goes on from there: runs that were finished
         then return at once what they returned, and the one that was cut off goes on.
         Raises `UnstableStepError` where a particle inverts, leaves the box or is not finite.
         """
