@@ -101,8 +101,8 @@ class Experiment(ExperimentSetup):
         Samples may be as dense as you like; each takes a time step's end, no more. Call `run` again
         with a later `until` to go on: where a run ends, all momentum passes to the particles, which
         smooths it a little, so that many short runs are not quite one long run. `checkpoint` keeps
-        the state when it is due; the same script, started anew, goes on from there: runs that were finished
-        then return at once what they returned, and the one that was cut off goes on.
+        the state when it is due; the same script, started anew, goes on from there: runs that were
+        finished then return at once what they returned, and the one that was cut off goes on.
         Raises `UnstableStepError` where a particle inverts, leaves the box or is not finite.
         """
         for name, function in (("stop_when", stop_when), ("on_sample", on_sample)):

@@ -179,7 +179,7 @@ class MpmSolver:
             on_call()
 
     def settle(self) -> None:
-        """End the epoch after `advance_epoch` stopped for a look, so that the state can be saved."""
+        """End the epoch where `advance_epoch` stopped for a look: the state can be saved."""
         self._native.settle()
 
     def _call(self, steps: int, until: float, then: float) -> int:
