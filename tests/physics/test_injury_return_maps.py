@@ -253,7 +253,7 @@ BENT = {"density": 1000.0, "bulk_modulus": 1e7, "shear_modulus": 2e6, "tait_expo
 
 
 @pytest.mark.parametrize("cutoff", [1e4, 1e6, 5e6])
-def test_the_cutoff_of_the_pressure_holds_under_taits_law(cutoff):
+def test_the_cutoff_of_the_pressure_holds_under_the_law_of_tait(cutoff):
     """The stress stops at the cut-off itself, also where that is half of the bulk modulus."""
     law = Material(**BENT, pressure_cutoff=cutoff)
     strain = np.array([np.eye(3) * e for e in (0.5, 0.7, 1.0)])
@@ -274,7 +274,7 @@ def test_the_friction_of_a_cone_counts_taits_pressure():
 
 
 @pytest.mark.parametrize("strain", [(0.2, 0, 0), (0.2, 0.15, -0.05), (0.2, 0.2, 0.2)])
-def test_rankine_holds_under_taits_law(strain):
+def test_rankine_holds_under_the_law_of_tait(strain):
     """To 0.5 %: four iterations, each of which leaves some tenth of strains as large as these."""
     law = Material(**BENT, tensile_strength=1e6)
     after, _, opening, tau = apply(law, np.diag(strain))
