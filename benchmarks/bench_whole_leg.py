@@ -18,7 +18,7 @@ from vulnus.anatomy import AnatomyParameters, build_limb
 from vulnus.core.handoff import LimbModel
 from vulnus.imaging import generate_leg
 from vulnus.injury.parameters import InjuryParameters, ProjectileParameters
-from vulnus.injury.shot_setup import prepare_shot
+from vulnus.injury.shot.setup import prepare_shot
 from vulnus.injury.solver import set_threads
 
 GRID_SPACING = 0.002  # [m]

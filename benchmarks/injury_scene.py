@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vulnus.core.handoff import Tissue
+from vulnus.injury.bodies.rigid_body import RigidBody
+from vulnus.injury.bodies.shapes import Sphere
 from vulnus.injury.materials import tissue_table
-from vulnus.injury.rigid_body import RigidBody
-from vulnus.injury.shapes import Sphere
 from vulnus.injury.solver import MpmSolver, Precision
 
 SPACING = 0.003

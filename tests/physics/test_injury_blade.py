@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from vulnus.injury.bodies.drawn_shapes import BladeShape, Box
+from vulnus.injury.bodies.rigid_body import BodyPath, RigidBody
 from vulnus.injury.boundaries import Wall
-from vulnus.injury.drawn_shapes import BladeShape, Box
 from vulnus.injury.materials import material_table, neo_hookean, von_mises
-from vulnus.injury.rigid_body import BodyPath, RigidBody
 from vulnus.injury.solver import MpmSolver
 
 pytestmark = pytest.mark.physics

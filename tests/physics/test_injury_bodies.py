@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from vulnus.core.errors import ScenarioError, UnstableStepError
-from vulnus.injury.attitude import attitude
-from vulnus.injury.drawn_shapes import Ogive
+from vulnus.injury.bodies.attitude import attitude
+from vulnus.injury.bodies.drawn_shapes import Ogive
+from vulnus.injury.bodies.rigid_body import BodyPath, RigidBody
+from vulnus.injury.bodies.shapes import SampledShape, Sphere
+from vulnus.injury.bodies.signed_distance import sample
 from vulnus.injury.materials import Material, material_table
-from vulnus.injury.rigid_body import BodyPath, RigidBody
-from vulnus.injury.shapes import SampledShape, Sphere
-from vulnus.injury.signed_distance import sample
 from vulnus.injury.solver import MpmSolver, set_threads
 
 pytestmark = pytest.mark.physics

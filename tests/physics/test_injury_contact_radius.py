@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from vulnus.injury.bodies.rigid_body import RigidBody
+from vulnus.injury.bodies.shapes import Sphere
 from vulnus.injury.materials import material_table, von_mises
-from vulnus.injury.rigid_body import RigidBody
-from vulnus.injury.shapes import Sphere
 from vulnus.injury.solver import MpmSolver
 
 pytestmark = pytest.mark.physics

@@ -262,7 +262,7 @@ def test_the_cutoff_of_the_pressure_holds_under_the_law_of_tait(cutoff):
     assert np.all(opening > 0.0)
 
 
-def test_the_friction_of_a_cone_counts_taits_pressure():
+def test_the_friction_of_a_cone_counts_the_pressure_of_tait():
     """q = Y + M p with p of the same law as the stress, 3.3 times the linear one here."""
     law = Material(**BENT, yield_stress=1e4, friction=0.1)
     strain = np.diag([0.3, -0.3, 0.0]) - 0.1 * np.eye(3)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from vulnus.core.errors import UnstableStepError
+from vulnus.injury.bodies.rigid_body import STATE_ROWS, RigidBody
+from vulnus.injury.bodies.shapes import Sphere
 from vulnus.injury.boundaries import Wall
 from vulnus.injury.materials import elastic, liquid, material_table
-from vulnus.injury.rigid_body import STATE_ROWS, RigidBody
-from vulnus.injury.shapes import Sphere
 from vulnus.injury.solver import MpmSolver, set_threads
 
 pytestmark = pytest.mark.physics

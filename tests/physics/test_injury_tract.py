@@ -10,9 +10,9 @@ from reference.mpm_limb import synthetic_limb
 
 from vulnus.core.handoff import Tissue
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters, shoot
+from vulnus.injury.bodies.rigid_body import RigidBody
+from vulnus.injury.bodies.shapes import Sphere
 from vulnus.injury.materials import MUSCLE, material_table
-from vulnus.injury.rigid_body import RigidBody
-from vulnus.injury.shapes import Sphere
 from vulnus.injury.solver import MpmSolver
 
 pytestmark = pytest.mark.physics

@@ -5,10 +5,8 @@
 
 from __future__ import annotations
 
-from .attitude import attitude
-from .body_surface import projectile_surfaces
-from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall
-from .combined_solids import (
+from .bodies.attitude import attitude
+from .bodies.combined_solids import (
     ClosedSurface,
     Difference,
     FunctionSolid,
@@ -16,15 +14,23 @@ from .combined_solids import (
     Intersection,
     Union,
 )
-from .drawn_shapes import BladeShape, Box, Cylinder, Ogive
-from .experiment import Experiment
-from .experiment_fields import Fields
-from .experiment_result import (
+from .bodies.drawn_shapes import BladeShape, Box, Cylinder, Ogive
+from .bodies.mesh_shape import MeshShape
+from .bodies.projectiles import PROJECTILES, Projectile, projectile
+from .bodies.rigid_body import BodyPath, BodyState, RigidBody
+from .bodies.rotations import rotation_about
+from .bodies.shapes import Shape, Sphere
+from .bodies.solids import Ball, Block, Rod, Shell, Solid, Tube
+from .boundaries import AbsorbingEnds, Boundary, HeldEnds, Wall
+from .experiment.experiment import Experiment
+from .experiment.fields import Fields
+from .experiment.result import (
     ExperimentResult,
     RigidBodyRecord,
     SensorRecord,
     TissueRecord,
 )
+from .experiment.sensors import CavitySensor, PointSensor, RegionSensor, SectionSensor, Sensor
 from .material_model import (
     Material,
     drucker_prager,
@@ -43,16 +49,10 @@ from .material_point import (
     volumetric_strain,
 )
 from .materials import MATERIALS, material
-from .mesh_shape import MeshShape
 from .parameters import AimParameters, InjuryParameters, ProjectileParameters
-from .passage import shoot
-from .projectiles import PROJECTILES, Projectile, projectile
-from .rigid_body import BodyPath, BodyState, RigidBody
-from .rotations import rotation_about
-from .sensors import CavitySensor, PointSensor, RegionSensor, SectionSensor, Sensor
-from .shapes import Shape, Sphere
-from .shot_line import aim
-from .solids import Ball, Block, Rod, Shell, Solid, Tube
+from .shot.body_surface import projectile_surfaces
+from .shot.line import aim
+from .shot.passage import shoot
 from .solver import MpmSolver
 
 __all__ = [

@@ -19,10 +19,10 @@ from vulnus.core.checkpoint import CheckpointData
 from vulnus.core.errors import ScenarioError, StorageError
 
 from . import _native
+from .bodies.rigid_body import STATE_SIZE, BodyState, RigidBody, add_body
 from .boundaries import Boundary, add_boundaries
 from .checked_values import positive
 from .material_change import bearable, same_bodies
-from .rigid_body import STATE_SIZE, BodyState, RigidBody, add_body
 from .solver_faults import body_fault, particle_fault
 
 Precision = Literal["float32", "float64"]

@@ -21,7 +21,7 @@ from vulnus.injury.parameters import (
 from .quantity import Section, auto_quantity, choice, parameter_of, quantity, to_parameters
 
 if TYPE_CHECKING:
-    from vulnus.injury.projectiles import Projectile
+    from vulnus.injury.bodies.projectiles import Projectile
 
 Coordinate = Annotated[float, Field(ge=-5000, le=5000)]
 Triple = Annotated[list[float], Len(3, 3)]
@@ -235,7 +235,7 @@ class ProjectileSection(Section):
 
 def row_of_table(name: str) -> Projectile:
     """The projectile of the table; ValueError with the nearest name where there is none."""
-    from vulnus.injury.projectiles import PROJECTILES
+    from vulnus.injury.bodies.projectiles import PROJECTILES
 
     if name in PROJECTILES:
         return PROJECTILES[name]

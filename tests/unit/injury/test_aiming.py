@@ -12,7 +12,7 @@ from reference.mpm_limb import cylinder_surface, synthetic_limb
 from vulnus.core.errors import AnatomyError, ProjectileError
 from vulnus.core.handoff import TriangleSurface
 from vulnus.injury import AimParameters, ProjectileParameters, aim
-from vulnus.injury.shot_line import crossing_distances, flight_direction, line_point
+from vulnus.injury.shot.line import crossing_distances, flight_direction, line_point
 
 
 @pytest.fixture(scope="module")

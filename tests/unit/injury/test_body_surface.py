@@ -7,7 +7,7 @@ import pytest
 
 from vulnus.core.handoff import TriangleSurface
 from vulnus.injury import BladeShape, Box, Cylinder, Ogive, Shape, Sphere
-from vulnus.injury.body_surface import body_surface
+from vulnus.injury.shot.body_surface import body_surface
 
 
 def volume(surface: TriangleSurface) -> float:

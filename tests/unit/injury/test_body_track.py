@@ -7,11 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from vulnus.injury.body_track import BodyTrack
-from vulnus.injury.drawn_shapes import BladeShape, Cylinder
-from vulnus.injury.flight import Outline
-from vulnus.injury.shapes import Sphere
-from vulnus.injury.tract import energy_along
+from vulnus.injury.bodies.drawn_shapes import BladeShape, Cylinder
+from vulnus.injury.bodies.flight import Outline
+from vulnus.injury.bodies.shapes import Sphere
+from vulnus.injury.wound.body_track import BodyTrack
+from vulnus.injury.wound.tract import energy_along
 
 AHEAD = np.array([1.0, 0.0, 0.0])
 

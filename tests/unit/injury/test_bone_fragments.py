@@ -10,7 +10,7 @@ from reference.mpm_limb import synthetic_limb
 
 from vulnus.core.handoff import Tissue
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters, shoot
-from vulnus.injury.bone_fragments import bone_report, crushed_piece_mass
+from vulnus.injury.wound.bone_fragments import bone_report, crushed_piece_mass
 
 SPACING = 0.002
 MASS = 1e-5

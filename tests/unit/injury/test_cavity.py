@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vulnus.injury.body_filling import body_filling
-from vulnus.injury.cavity import cavity_volume, deposit, directions_with_tissue, find_cavity
-from vulnus.injury.drawn_shapes import BladeShape
-from vulnus.injury.shapes import Sphere
+from vulnus.injury.bodies.drawn_shapes import BladeShape
+from vulnus.injury.bodies.shapes import Sphere
+from vulnus.injury.shot.body_filling import body_filling
+from vulnus.injury.wound.cavity import cavity_volume, deposit, directions_with_tissue, find_cavity
 
 SPACING = 0.002
 

@@ -10,10 +10,10 @@ from reference.mpm_limb import synthetic_limb
 
 from vulnus.core.errors import ScenarioError
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters
-from vulnus.injury.contact_way import Outline
+from vulnus.injury.bodies.contact_way import Outline
+from vulnus.injury.bodies.shape_distance import distance_to
 from vulnus.injury.parameters import ShotParameters
-from vulnus.injury.shape_distance import distance_to
-from vulnus.injury.shot_setup import prepare_shot
+from vulnus.injury.shot.setup import prepare_shot
 
 AIMED = InjuryParameters(
     aim=AimParameters(target=(0.0, 0.0, 0.0)),
@@ -58,7 +58,7 @@ def test_the_nose_stands_at_the_limb_when_time_begins(limb, projectile):
 
 
 def projectile_shape(projectile):
-    from vulnus.injury.flying_bodies import shape_of
+    from vulnus.injury.shot.flying_bodies import shape_of
 
     return shape_of(projectile)
 
@@ -117,7 +117,7 @@ def test_a_grazing_ball_touches_the_limb_beside_its_middle(limb):
 
 def test_ends_absorb_only_where_the_window_cuts_the_limb(limb):
     from vulnus.injury.boundaries import AbsorbingEnds, HeldEnds
-    from vulnus.injury.shot_setup import ends_of, window_of
+    from vulnus.injury.shot.setup import ends_of, window_of
 
     axis = np.array([0.0, 0.0, 1.0])
     height = np.asarray(limb.position, np.float64) @ axis

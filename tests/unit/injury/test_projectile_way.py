@@ -9,11 +9,11 @@ import pytest
 from reference.mpm_limb import synthetic_limb
 
 from vulnus.injury import AimParameters, InjuryParameters, ProjectileParameters
-from vulnus.injury.drawn_shapes import Cylinder
-from vulnus.injury.projectile_way import fates_of, is_out, leaves_exit, ways_of
-from vulnus.injury.record import RunRecord
-from vulnus.injury.rigid_body import BodyState
-from vulnus.injury.shot_setup import prepare_shot
+from vulnus.injury.bodies.drawn_shapes import Cylinder
+from vulnus.injury.bodies.rigid_body import BodyState
+from vulnus.injury.shot.projectile_way import fates_of, is_out, leaves_exit, ways_of
+from vulnus.injury.shot.record import RunRecord
+from vulnus.injury.shot.setup import prepare_shot
 
 AIMED = InjuryParameters(
     aim=AimParameters(target=(0.0, 0.0, 0.0)), grid_spacing=0.005, window_length=0.05,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from vulnus.core.errors import ScenarioError
-from vulnus.injury.attitude import attitude
-from vulnus.injury.projectiles import PROJECTILES, projectile
+from vulnus.injury.bodies.attitude import attitude
+from vulnus.injury.bodies.projectiles import PROJECTILES, projectile
 
 LEAD, STEEL = 11340.0, 7850.0
 

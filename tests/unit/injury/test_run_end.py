@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from vulnus.core.errors import ScenarioError
 from vulnus.core.handoff import CavityHistory
 from vulnus.injury import InjuryParameters
-from vulnus.injury.run_end import collapse_time, schedule
+from vulnus.injury.shot.run_end import collapse_time, schedule
 
 
 def history(volume, step=5e-4):

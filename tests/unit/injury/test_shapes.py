@@ -9,9 +9,9 @@ import pytest
 
 from vulnus.core.errors import InputFileError, ScenarioError
 from vulnus.core.handoff import TriangleSurface
-from vulnus.injury.drawn_shapes import BladeShape, Box, Cylinder, Ogive
-from vulnus.injury.mesh_shape import MeshShape
-from vulnus.injury.shapes import Sphere
+from vulnus.injury.bodies.drawn_shapes import BladeShape, Box, Cylinder, Ogive
+from vulnus.injury.bodies.mesh_shape import MeshShape
+from vulnus.injury.bodies.shapes import Sphere
 
 # The sums over the samples are asked to be within 1 % (POINTS_ACROSS is chosen for it).
 CLOSE = 0.01

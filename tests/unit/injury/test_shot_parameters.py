@@ -12,7 +12,7 @@ from vulnus.core.errors import AnatomyError, ScenarioError
 from vulnus.injury import AimParameters, InjuryParameters, MpmSolver
 from vulnus.injury.materials import MUSCLE, material_table
 from vulnus.injury.parameters import ProjectileParameters
-from vulnus.injury.shot_setup import long_axis, prepare_shot
+from vulnus.injury.shot.setup import long_axis, prepare_shot
 
 AIMED = InjuryParameters(
     aim=AimParameters(target=(0.0, 0.0, 0.0)), window_length=0.05, absorbing_length=0.006

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vulnus.core.handoff import TriangleSurface
-from vulnus.injury import skin_holes
+from vulnus.injury.wound import skin_holes
 
 SPACING = 0.001
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vulnus.injury.body_track import FlightPath
-from vulnus.injury.cavity import find_cavity
-from vulnus.injury.tract import (
+from vulnus.injury.wound.body_track import FlightPath
+from vulnus.injury.wound.cavity import find_cavity
+from vulnus.injury.wound.tract import (
     arc_length_of,
     cavity_radius,
     destroyed_radius,

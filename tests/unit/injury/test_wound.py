@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vulnus.core.handoff import ArteryCentreline
-from vulnus.injury import wound
+from vulnus.injury.wound import artery_wall as wound
 
 LIMITS = wound.WallThresholds(lacerated=0.1, transected=0.9)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from vulnus.core.arrays import FloatArray
 from vulnus.core.progress import Progress
+from vulnus.injury.bodies.rotations import rotation_about
 from vulnus.injury.material_point import (
     MaterialPointHistory,
     material_point,
@@ -18,7 +19,6 @@ from vulnus.injury.material_point import (
     volumetric_strain,
 )
 from vulnus.injury.materials import MATERIALS, Material, drucker_prager, neo_hookean
-from vulnus.injury.rotations import rotation_about
 from vulnus.validation import CaseReport, Comparison, Curve, Panel
 
 TOLERANCE = 1e-8  # PHYSICS M5

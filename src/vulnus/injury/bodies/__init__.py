@@ -1,0 +1,1 @@
+"""What meets what: shapes, solids of tissue, rigid bodies, and the table of projectiles."""

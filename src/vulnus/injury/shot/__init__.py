@@ -1,0 +1,1 @@
+"""One shot through a limb, from its aim to the wound report. Start at `passage`."""
