@@ -79,14 +79,18 @@ def scene(count: int) -> Scene:
 
 
 def loaded_solver(
-    case: Scene, *, largest_step: float = 1e30, precision: Precision = "float32"
+    case: Scene,
+    *,
+    largest_step: float = 1e30,
+    precision: Precision = "float32",
+    passage_steps: int | None = None,
 ) -> MpmSolver:
-    """The solver with the scene's particles and ball."""
+    """The solver with the scene's particles and ball; with `passage_steps` of 1 plain APIC."""
     reach = case.half_edge + 0.5
     solver = MpmSolver(
         materials=tissue_table(SPACING), grid_spacing=SPACING, lower=(-reach,) * 3,
         upper=(reach,) * 3, gravity=GRAVITY, bodies=[case.ball], largest_step=largest_step,
-        precision=precision,
+        precision=precision, passage_steps=passage_steps,
     )  # fmt: skip
     solver.set_particles(
         case.position,

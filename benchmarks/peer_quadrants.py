@@ -48,7 +48,9 @@ def check_agreement() -> None:
     case = scene(CHECKED_PARTICLES)
     for precision, tolerance in TOLERANCES.items():
         mpm_quadrants.start(1, precision)
-        solver = loaded_solver(case, largest_step=CHECKED_STEP, precision=precision)
+        solver = loaded_solver(
+            case, largest_step=CHECKED_STEP, precision=precision, passage_steps=1
+        )
         peer = loaded_peer(case, "dense")
         while solver.steps < CHECKED_STEPS:
             before = solver.steps

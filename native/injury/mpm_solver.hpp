@@ -151,6 +151,11 @@ class MpmSolver {
   void move_tracers(double dt);
   template <bool Gather, bool Scatter>
   void particle_pass(PassTimes times);
+  template <bool Gather>
+  void pass_momentum(PassTimes times);
+  void scatter_rest(double next_step);
+  // Whether passages are of the second order.
+  bool sharpens() const { return settings_.passage_steps > 1; }
 
   SolverSettings settings_;
   MaterialTable<T> materials_;

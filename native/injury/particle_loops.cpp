@@ -175,7 +175,8 @@ void MpmSolver<T>::particle_pass(PassTimes times) {
                    {},
                    {},
                    nodes_keep_,
-                   looking_};
+                   looking_ || (!nodes_keep_ && sharpens()),
+                   false};
   for (int a = 0; a < 3; ++a) {
     n.lower[a] = T(settings_.domain_lower[a]);
     n.upper[a] = T(settings_.domain_upper[a]);
@@ -200,6 +201,35 @@ void MpmSolver<T>::particle_pass(PassTimes times) {
       fastest = std::max(fastest, fastest_lane[lane]);
   }
   if (Gather) sound_speed_ = std::sqrt(double(fastest));
+}
+
+// The second half of a passage: what the nodes have not taken of the particles' motion, and the
+// impulses of the stress.
+template <class T>
+void MpmSolver<T>::scatter_rest(double next_step) {
+  PassNumbers<T> n{};
+  n.cells_per_metre = T(1 / settings_.grid_spacing);
+  n.grid_spacing = T(settings_.grid_spacing);
+  n.next_dt = T(next_step);
+  n.nodes_keep = n.rest = true;
+#pragma omp parallel
+  {
+    AlignedVector<T> around(kTileValues);
+    std::memset(around.data(), 0, kTileValues * sizeof(T));
+#pragma omp for schedule(dynamic, 4)
+    for (int i = 0; i < grid_.occupied(); ++i) {
+      grid_.load_tile(i, around.data());
+      std::memset(grid_.tile(i), 0, kTileValues * sizeof(T));
+      for (int k = particles_.first_bundle(i); k < particles_.first_bundle(i + 1); ++k) {
+        Bundle<T> b(particles_, std::size_t(k) * Bundle<T>::kWidth, materials_);
+        b.load_motion();
+        Stencil<T> stencil;
+        place(b.x, grid_.block(i), n, stencil);
+        b.subtract_motion(gather_motion(around.data(), stencil, n));
+        scatter_momentum(b, grid_.tile(i), stencil, resting_kirchhoff(b.material, b.point), n);
+      }
+    }
+  }
 }
 
 template <class T>
@@ -248,6 +278,8 @@ Totals MpmSolver<T>::grid_totals() const {
   return sum;
 }
 
+template void MpmSolver<float>::scatter_rest(double);
+template void MpmSolver<double>::scatter_rest(double);
 template void MpmSolver<float>::particle_pass<false, true>(PassTimes);
 template void MpmSolver<float>::particle_pass<true, false>(PassTimes);
 template void MpmSolver<float>::particle_pass<true, true>(PassTimes);

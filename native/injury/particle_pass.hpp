@@ -22,6 +22,7 @@ struct PassNumbers {
   T lower[3], upper[3];
   bool nodes_keep;  // their momentum in the step that begins: particles stay in their places
   bool look;        // particles also keep the motion of the step that ends
+  bool rest;        // scatters motion that the nodes have not taken, without mass
 };
 
 // Velocity and its gradient.
@@ -127,6 +128,12 @@ struct Bundle {
     for (int a = 0; a < 3; ++a) store(kVelocity + a, motion.v[a]);
     for (int a = 0; a < 9; ++a) store(kGradient + a, motion.c.m[a / 3][a % 3]);
   }
+  VULNUS_HD void subtract_motion(const Motion<Real>& other) {
+    for (int a = 0; a < 3; ++a) {
+      motion.v[a] -= other.v[a];
+      for (int j = 0; j < 3; ++j) motion.c.m[a][j] -= other.c.m[a][j];
+    }
+  }
   // What floats lose of x += v dt would be the same at every step, up to all of it; a dither that
   // differs from step to step makes it nothing in the mean. What stands stays where it is.
   VULNUS_HD void move(const PassNumbers<T>& n) {
@@ -224,7 +231,7 @@ VULNUS_HD StressUpdate<typename LaneTraits<T>::Real> deform(
 }
 
 // (mv)_i = sum w (m v + A (x_i - x_p)) with A = m C - dt (4/dx^2) V0 tau (PHYSICS 1.4); without m
-// where the nodes keep their momentum.
+// where the nodes keep their momentum, but for the rest that they have not taken.
 template <class T>
 VULNUS_HD void scatter_momentum(const Bundle<T>& b, T* tile, const Stencil<T>& s,
                                 const Symmetric3<typename LaneTraits<T>::Real>& kirchhoff,
@@ -236,12 +243,13 @@ VULNUS_HD void scatter_momentum(const Bundle<T>& b, T* tile, const Stencil<T>& s
   const auto& t = kirchhoff;
   const Real tau[3][3] = {{t.xx, t.xy, t.zx}, {t.xy, t.yy, t.yz}, {t.zx, t.yz, t.zz}};
   Real value[16] = {};
+  const bool moving = !n.nodes_keep || n.rest;
   if (!n.nodes_keep) value[0] = mass;
   for (int i = 0; i < 3; ++i) {
-    if (!n.nodes_keep) value[1 + i] = mass * b.motion.v[i];
+    if (moving) value[1 + i] = mass * b.motion.v[i];
     for (int j = 0; j < 3; ++j) {
       Real affine = impulse * tau[i][j];
-      if (!n.nodes_keep) affine += inertia * b.motion.c.m[i][j];
+      if (moving) affine += inertia * b.motion.c.m[i][j];
       value[5 + 4 * j + i] = affine;
       value[1 + i] -= affine * s.fraction[j];
     }

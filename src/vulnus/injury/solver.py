@@ -62,6 +62,7 @@ class MpmSolver:
         boundaries: Sequence[Boundary] = (),
         largest_step: float = 1e30,
         precision: Precision = "float32",
+        passage_steps: int | None = None,
     ) -> None:
         positive("grid_spacing", grid_spacing)
         positive("courant_number", courant_number)
@@ -77,7 +78,7 @@ class MpmSolver:
             domain_lower=_vector(lower - self._origin),
             domain_upper=_vector(upper - self._origin),
             largest_step=largest_step,
-            passage_steps=PASSAGE_STEPS if bodies else 1,
+            passage_steps=passage_steps or (PASSAGE_STEPS if bodies else 1),
         )
         self._body_names = tuple(body.name for body in bodies)
         for body in bodies:
