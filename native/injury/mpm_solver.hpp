@@ -13,6 +13,7 @@
 // in the grid, and a step adds only the impulses of the stress. Each passage smooths the velocity
 // over some cells; done at every step, in time with the sound, it is a viscosity that doubles the
 // drag of a slow projectile. `passage_steps` = 1 asks for that: it damps what only the grid knows.
+// With more, passages are of the second order: what one loses is scattered once more.
 #pragma once
 
 #include <cstdint>

@@ -38,17 +38,20 @@ def shot(muscle):
     return shoot(muscle, SHOT)
 
 
-def test_it_ends_between_ten_and_twenty_milliseconds_with_the_cavity_closed(shot):
+def test_it_ends_between_ten_and_twenty_milliseconds_with_the_cavity_closed():
+    limb = synthetic_limb(spacing=0.0025, radius=0.024, length=0.064, skin=0.004, bone_radius=0.0)
+    shot = shoot(limb, replace(SHOT, grid_spacing=0.005))
     report = shot.report
     assert 10e-3 <= shot.permanent.time < 20e-3
     assert report.collapsed
     assert report.collapse_time <= shot.permanent.time == report.cavity.time[-1]
-    # A tenth, or what stays open: torn tissue does not find together on cells as large as this.
-    assert report.cavity.volume[-1] <= 0.25 * report.cavity.volume.max()
+    # A tenth, or what stays open: torn tissue does not find together on cells as large as this
+    # (measured: 15 %; on 6 mm 26 %).
+    assert report.cavity.volume[-1] <= 0.2 * report.cavity.volume.max()
 
 
 def test_killed_on_its_way_it_ends_at_the_same_time_with_the_same_bits(muscle, shot):
-    checkpoint = MemoryCheckpoint(stop_after=40)
+    checkpoint = MemoryCheckpoint(stop_after=60)
     with pytest.raises(KeyboardInterrupt):
         shoot(muscle, SHOT, checkpoint=checkpoint)
     newest = checkpoint.saved[-1]
