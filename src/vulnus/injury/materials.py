@@ -57,13 +57,13 @@ GELATIN_10 = Material(
     pressure_cutoff=0.3e6,  # cavitation at 0.1-0.5 MPa [M]
     shear_modulus=3.5e6,  # 3-4 MPa at 4e4 /s [D: cavity expansion, 2.18 MPa of drag of the BB]
     yield_stress=0.03e6,  # with the law of rate 0.14 MPa at 100 /s [D: PHYSICS 1.2, 0.13 MPa] and
-    rate_reference=5.0,  # 1/s; 1.5 MPa at 4e4 /s: the depth of M8a, where 0.95 MPa of the cavity
-    rate_exponent=0.43,  # expansion go too deep, as a slow ball strains at 1e4 /s only
-    network_modulus=0.4e6,  # E/3 at low rate, 0.1-0.8 MPa [D: PHYSICS 1.2; M8a]
+    rate_reference=7.0,  # 1/s; 1.9 MPa at 4e4 /s: the depth of M8a. With the 1 MPa of a cavity's
+    rate_exponent=0.475,  # expansion a ball goes too deep: when slow it strains at 1e4 /s only
+    network_modulus=0.2e6,  # E/3 at low rate, 0.1-0.8 MPa [D: PHYSICS 1.2]
     failure_stretch=1.8,  # failure strain 0.7-0.9 [M: Wen 2013]
     fracture_energy=1.5e3,  # [D: M8a; 10 J/m² at rest [M: Forte 2015], far more for a
     # fast crack [M: Baumberger 2006]]
-    softening_stress=1.2e6,  # yield stress at 2.5e4 /s, where a ballistic wound tears [D]
+    softening_stress=1.5e6,  # yield stress at 2.5e4 /s, where a ballistic wound tears [D]
 )
 
 GELATIN_20 = replace(
@@ -72,9 +72,9 @@ GELATIN_20 = replace(
     density=1060.0,  # [chosen: 10 % more gelatin of 1350 kg/m³]
     shear_modulus=8.1e6,  # 2.32 times that of 10 %: drag 5.06 to 2.18 MPa [D: PHYSICS 1.2]
     yield_stress=0.07e6,  # the same ratio [D]
-    network_modulus=0.93e6,  # the same ratio [chosen: no data]
+    network_modulus=0.464e6,  # the same ratio [chosen: no data]
     fracture_energy=3.5e3,  # the same ratio [chosen: no data]
-    softening_stress=2.8e6,  # the same ratio [D]
+    softening_stress=3.5e6,  # the same ratio [D]
 )
 
 MUSCLE = Material(
@@ -86,12 +86,12 @@ MUSCLE = Material(
     pressure_cutoff=0.3e6,  # cavitation at 0.1-0.5 MPa [M]
     shear_modulus=3.5e6,  # as gelatin 10 %, made to behave like it [D]
     yield_stress=0.03e6,  # as gelatin 10 % [D]; 0.14 MPa at 100 /s: 0.1-0.5 MPa in tension [M]
-    rate_reference=5.0,  # 1/s, as gelatin 10 % [D]
-    rate_exponent=0.43,  # as gelatin 10 % [D]
-    network_modulus=0.4e6,  # as gelatin 10 %: E 0.1-0.8 MPa at 100 /s [D: PHYSICS 1.2]
+    rate_reference=7.0,  # 1/s, as gelatin 10 % [D]
+    rate_exponent=0.475,  # as gelatin 10 % [D]
+    network_modulus=0.2e6,  # as gelatin 10 %: E 0.1-0.8 MPa at 100 /s [D: PHYSICS 1.2]
     failure_stretch=1.75,  # failure strain 0.5-1.0 [M], the middle
     fracture_energy=1.0e3,  # 0.3-1 kJ/m² [M]; the most, as gelatin's is more
-    softening_stress=1.2e6,  # as gelatin 10 % [D]
+    softening_stress=1.5e6,  # as gelatin 10 % [D]
 )
 
 FAT = Material(
@@ -103,12 +103,12 @@ FAT = Material(
     pressure_cutoff=0.1e6,  # strength 0.1 MPa [M]
     shear_modulus=0.7e6,  # a fifth of muscle's [chosen: quasi-static E 1-5 kPa to 10-100 kPa [M]]
     yield_stress=0.006e6,  # a fifth of muscle's [chosen: strength 0.1 to 0.1-0.5 MPa [M]]
-    rate_reference=5.0,  # 1/s, as muscle [chosen: no data]
-    rate_exponent=0.43,  # as muscle [chosen: no data]
-    network_modulus=0.08e6,  # a fifth of muscle's [chosen: as the shear modulus]
+    rate_reference=7.0,  # 1/s, as muscle [chosen: no data]
+    rate_exponent=0.475,  # as muscle [chosen: no data]
+    network_modulus=0.04e6,  # a fifth of muscle's [chosen: as the shear modulus]
     failure_stretch=1.8,  # failure strain 0.8 [M]
     fracture_energy=0.2e3,  # a fifth of muscle's [chosen: no data]
-    softening_stress=0.24e6,  # a fifth of muscle's [D]
+    softening_stress=0.3e6,  # a fifth of muscle's [D]
 )
 
 SKIN = Material(
@@ -171,11 +171,11 @@ MARROW = Material(
     pressure_cutoff=0.1e6,  # as fat [chosen]
     shear_modulus=0.2e6,  # E about 0 [M]; not 0, so that it flows with a limit [chosen]
     yield_stress=0.002e6,  # strength about 0 [M]
-    rate_reference=5.0,  # 1/s, as muscle [chosen: no data]
-    rate_exponent=0.43,  # as muscle [chosen: no data]
+    rate_reference=7.0,  # 1/s, as muscle [chosen: no data]
+    rate_exponent=0.475,  # as muscle [chosen: no data]
     damage_start=0.4,  # as fat [chosen: no data]
     fracture_energy=0.07e3,  # as fat, in proportion to the yield stress [chosen]
-    softening_stress=0.08e6,  # as fat, in proportion to the yield stress [D]
+    softening_stress=0.1e6,  # as fat, in proportion to the yield stress [D]
 )
 
 COPPER = replace(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from vulnus.core.arrays import FloatArray
 from vulnus.core.progress import Progress
@@ -140,7 +141,8 @@ def pressure_forms() -> list[Agreement]:
     squeezed = material_point(gelatin, volumetric_strain(ratio), duration=DURATION)
     tait = gelatin.bulk_modulus / 7.0 * (ratio**-7 - 1.0)
     torn = material_point(gelatin, volumetric_strain([1.0, 1.1]), duration=DURATION)
-    cut = gelatin.pressure_cutoff / gelatin.bulk_modulus
+    share = gelatin.pressure_cutoff / gelatin.bulk_modulus
+    cut = np.log(brentq(lambda j: (j - j**-6) / 7.0 - share, 1.0, 1.1, xtol=1e-15))
 
     glass = Material(
         density=2500.0, bulk_modulus=40e9, shear_modulus=30e9, tensile_strength=50e6
