@@ -60,9 +60,7 @@ demo-short: $(VENV)/.vulnus
 	$(BIN)/vulnus run demo_short -o build/demo-short
 
 test: $(VENV)/.test
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile tests --ignore=tests/unit/visualization
-# Pictures in processes of their own: after hundreds of other tests in one, the ray tracer has aborted.
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile tests/unit/visualization
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile tests
 
 bench: $(VENV)/.vulnus
 	$(BIN)/python benchmarks/bench_injury.py

@@ -79,9 +79,18 @@ def choose_variant(renderer: Renderer) -> str:
 
 
 def load_mitsuba(renderer: Renderer) -> Any:
-    """The module `mitsuba` with its variant set, quiet on the console."""
+    """The module `mitsuba` with its variant set, quiet on the console.
+
+    Where somebody imported Mitsuba before, it has taken whatever LLVM the system has, which may
+    abort the process: then the scalar variant draws.
+    """
     variant = choose_variant(renderer)
-    os.environ.update(_environment())
+    environment = _environment()
+    chosen = environment.get("DRJIT_LIBLLVM_PATH") == os.environ.get("DRJIT_LIBLLVM_PATH")
+    if "drjit" in sys.modules and not chosen:
+        variant = "scalar_rgb"
+    else:
+        os.environ.update(environment)
     try:
         import mitsuba
     except ImportError as error:

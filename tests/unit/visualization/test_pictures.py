@@ -40,8 +40,14 @@ def view(wound):
     return view_limb(wound, Surroundings())
 
 
+def skip_without_mitsuba() -> None:
+    """Without importing it: what imports it first decides which LLVM it takes."""
+    if importlib.util.find_spec("mitsuba") is None:
+        pytest.skip("Mitsuba is not installed (vulnus[render])")
+
+
 def test_a_small_still_shows_skin_bone_and_blood(view, bleed_frames) -> None:
-    pytest.importorskip("mitsuba", reason="Mitsuba is not installed (vulnus[render])")
+    skip_without_mitsuba()
     from vulnus.visualization.render import Renderer
     from vulnus.visualization.stills import bleed_view
 
@@ -116,7 +122,7 @@ def test_nothing_is_drawn_where_it_is_switched_off(wound, tmp_path) -> None:
 
 
 def test_a_tracer_that_fails_once_is_tried_again_and_then_named(view, monkeypatch) -> None:
-    pytest.importorskip("mitsuba", reason="Mitsuba is not installed (vulnus[render])")
+    skip_without_mitsuba()
     from vulnus.visualization.render import Renderer
 
     renderer = Renderer(SMALL)
@@ -148,7 +154,7 @@ def test_passes_add_up_to_the_samples_and_stay_short() -> None:
 
 
 def test_llvm_that_does_not_work_falls_back_or_complains(monkeypatch) -> None:
-    pytest.importorskip("mitsuba", reason="Mitsuba is not installed (vulnus[render])")
+    skip_without_mitsuba()
     monkeypatch.setattr("vulnus.visualization.variant.llvm_works", lambda: False)
     assert choose_variant("auto") == "scalar_rgb"
     with pytest.raises(RenderError, match="LLVM"):
